@@ -3,7 +3,7 @@
 #   TOOL             icarus, verilator, cpp (Verilator with a driver in C++), ghdl (VHDL), cocotb (cocotb 2 in Icarus),
 #                    dpi (Verilator, random inputs against the C library)
 #   --stop N         ends at the N-th vector that differs (10)
-#   --got FILE       not dpi: writes the device's words for `roughxel vectors judge`, all of them; --stop ends what is printed
+#   --got FILE       not dpi: writes the device's words for `roughxel vectors check`, all of them; --stop ends what is printed
 #   --outputs-only   compares what leaves the datapath alone, for a device that does not show its stages
 #   --stalls         both sides of the handshake pause at random
 #   --timeout N      cycles without an output after which it gives up (10000)

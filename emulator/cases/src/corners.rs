@@ -1,5 +1,5 @@
-//! Corners: single limits, roundings and ties of the datapaths that neither random vectors nor pictures meet. `roughxel vectors report --unseen`
-//! names the operations that no vector shows; each list here has inputs under which some of them make a difference.
+//! Corners: single limits, roundings and ties of the datapaths that neither random vectors nor pictures meet. `roughxel vectors coverage --unseen`
+//! named the operations that no vector showed; each list here has inputs under which some of them make a difference.
 
 use fixed::types::{I1F15, I2F30, I4F12, I4F28, I8F24, I16F16};
 use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan};

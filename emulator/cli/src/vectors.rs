@@ -1,17 +1,19 @@
-//! `roughxel vectors export|merge|verify|judge|marks|explain|bench|minimise|report|distil|list|format|rom|c`.
+//! `roughxel vectors export|merge|verify|check|ambiguous|explain|bench|coverage|condense|shrink|list|format|rom|c`. Each command is a file.
+//!
+//! Commands that were renamed keep their old name as a hidden alias.
 
 mod bench;
 mod c;
-mod distil;
+mod condense;
 mod explain;
 mod export;
 mod format;
-mod judge;
+mod check;
 mod list;
-mod marks;
+mod ambiguous;
 mod merge;
-mod minimise;
-mod report;
+mod shrink;
+mod coverage;
 mod rom;
 mod verify;
 
@@ -21,45 +23,45 @@ use super::{CONVENTIONS, Failure};
 
 #[derive(Subcommand)]
 pub(super) enum VectorsCommand {
-    /// Write sets of vectors: packed hex and a JSON manifest each.
+    /// Write sets of vectors, each as packed hex with a JSON manifest.
     #[command(after_help = CONVENTIONS)]
     Export(export::ExportArgs),
     /// Join the parts of sets that `export --shard` wrote.
     #[command(long_about = merge::LONG_HELP, after_help = CONVENTIONS)]
     Merge(merge::MergeArgs),
-    /// Recompute every value of sets and compare; name set, index, stage, field and bit of each difference.
+    /// Recompute every value of sets and name set, index, stage, field and bit of each difference.
     #[command(after_help = CONVENTIONS)]
     Verify(verify::VerifyArgs),
-    /// Judge the words of a device by an acceptance tier: exact, faithful with a divider or a root of its own, within bounds.
-    #[command(long_about = judge::LONG_HELP, after_help = CONVENTIONS)]
-    Judge(judge::JudgeArgs),
-    /// Mark the vectors in which a device that rounds in its own way may decide otherwise.
-    #[command(long_about = marks::LONG_HELP, after_help = CONVENTIONS)]
-    Marks(marks::MarksArgs),
-    /// Explain one vector: every field stage by stage beside float64, and where a device's word goes wrong first.
+    /// Check the words of a device by an acceptance tier: exact, faithful or within bounds.
+    #[command(alias = "judge", long_about = check::LONG_HELP, after_help = CONVENTIONS)]
+    Check(check::CheckArgs),
+    /// List the vectors in which a device with other roundings may decide otherwise.
+    #[command(alias = "marks", long_about = ambiguous::LONG_HELP, after_help = CONVENTIONS)]
+    Ambiguous(ambiguous::AmbiguousArgs),
+    /// Explain one vector: every field stage by stage next to float64, and where a device's word first goes wrong.
     #[command(long_about = explain::LONG_HELP, after_help = CONVENTIONS)]
     Explain(explain::ExplainArgs),
-    /// Write benches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
+    /// Write testbenches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
     #[command(long_about = bench::LONG_HELP, after_help = CONVENTIONS)]
     Bench(bench::BenchArgs),
-    /// Say how good sets are: which mistakes in a device they would show.
-    #[command(long_about = report::LONG_HELP, after_help = CONVENTIONS)]
-    Report(report::ReportArgs),
-    /// Write a set of few vectors that show the same mistakes as many.
-    #[command(long_about = distil::LONG_HELP, after_help = CONVENTIONS)]
-    Distil(distil::DistilArgs),
+    /// Measure the coverage of sets: which faults of a device they show.
+    #[command(alias = "report", long_about = coverage::LONG_HELP, after_help = CONVENTIONS)]
+    Coverage(coverage::CoverageArgs),
+    /// Write a set of few vectors that show the same faults as many.
+    #[command(alias = "distil", long_about = condense::LONG_HELP, after_help = CONVENTIONS)]
+    Condense(condense::CondenseArgs),
     /// Find the simplest inputs that a device still gets wrong in the same stage as a vector.
-    #[command(long_about = minimise::LONG_HELP, after_help = CONVENTIONS)]
-    Minimise(minimise::MinimiseArgs),
+    #[command(alias = "minimise", long_about = shrink::LONG_HELP, after_help = CONVENTIONS)]
+    Shrink(shrink::ShrinkArgs),
     /// List the sets that can be exported.
     List(list::ListArgs),
-    /// Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
+    /// Print the field tables of vectors/FORMAT.md, as the datapaths declare their ports.
     #[command(long_about = format::LONG_HELP)]
     Format(format::FormatArgs),
-    /// Write the tables of the arithmetic, a hex file each, as vectors/SPEC.md describes them.
+    /// Write the tables of the arithmetic as hex files. vectors/SPEC.md describes them.
     #[command(after_help = CONVENTIONS)]
     Rom(rom::RomArgs),
-    /// Write the header of the C library and its SystemVerilog package of DPI-C imports, as the datapaths declare their ports.
+    /// Write the header of the C library and its SystemVerilog package of DPI-C imports.
     #[command(after_help = CONVENTIONS)]
     C(c::CArgs),
 }
@@ -72,13 +74,13 @@ pub(super) fn run(command: &VectorsCommand) -> Result<(), Failure> {
         VectorsCommand::Export(args) => export::run(args),
         VectorsCommand::Merge(args) => merge::run(args),
         VectorsCommand::Verify(args) => verify::run(args),
-        VectorsCommand::Judge(args) => judge::run(args),
-        VectorsCommand::Marks(args) => marks::run(args),
+        VectorsCommand::Check(args) => check::run(args),
+        VectorsCommand::Ambiguous(args) => ambiguous::run(args),
         VectorsCommand::Explain(args) => explain::run(args),
         VectorsCommand::Bench(args) => bench::run(args),
-        VectorsCommand::Report(args) => report::run(args),
-        VectorsCommand::Distil(args) => distil::run(args),
-        VectorsCommand::Minimise(args) => minimise::run(args),
+        VectorsCommand::Coverage(args) => coverage::run(args),
+        VectorsCommand::Condense(args) => condense::run(args),
+        VectorsCommand::Shrink(args) => shrink::run(args),
         VectorsCommand::List(args) => list::run(args),
     }
 }

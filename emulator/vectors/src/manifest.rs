@@ -11,10 +11,10 @@ use roughxel_study::profile_file::{NameError, NamedPrecision};
 use roughxel_utilities::input::open_file;
 use serde::{Deserialize, Serialize};
 
+use super::coverage_count::CoverageEntry;
 use super::field::Field;
 use super::layout::Layout;
 use super::part::Part;
-use super::score::GradeEntry;
 use super::{MAX_VECTORS, VectorError, stage};
 
 /// Value of `schema`.
@@ -63,7 +63,7 @@ pub struct Manifest {
     pub word_bits: u32,
     /// Coverage of the set; `None` if it was not graded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub grade: Option<GradeEntry>,
+    pub grade: Option<CoverageEntry>,
     /// The files of the set; there is one, the words.
     pub files: Vec<FileEntry>,
     /// The fields of a word, most significant first.

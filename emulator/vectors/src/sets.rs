@@ -26,8 +26,8 @@ pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
 /// inputs made of them.
 pub(super) const SEED_RULE: &str = "splitmix64(fnv1a64(name) xor index * 9e3779b97f4a7c15), inputs 2";
 
-/// The vectors of all other sets and of 200 000 random ones that show most mistakes, in falling order, for each datapath: name of
-/// the set, and a line per vector. Made by `roughxel vectors distil` under `standard` (vectors/COVERAGE.md has the commands).
+/// The vectors of all other sets and of 200 000 random ones that show most mistakes, those that show most first, for each datapath: name
+/// of the set, and a line a vector. Made by `roughxel vectors condense` under `standard` (vectors/README.md has the commands).
 const CHOSEN: [(&str, Datapath, &str); 3] = [
     ("chosen", Datapath::Reflection, include_str!("../../../vectors/chosen/reflection.txt")),
     ("chosen_highlight", Datapath::Highlight, include_str!("../../../vectors/chosen/highlight.txt")),

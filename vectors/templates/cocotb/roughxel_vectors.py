@@ -6,7 +6,7 @@ Python 3.8 or newer, its standard library alone.
     vectors[7]["normal_x"]           # the integer of the field
     vectors.inputs(7)                # the inputs as one integer, first field most significant
     vectors.differences(7, got)      # a line a field that differs
-    vectors.with_outputs(7, got)     # the word with these outputs, for `roughxel vectors judge`
+    vectors.with_outputs(7, got)     # the word with these outputs, for `roughxel vectors check`
 """
 import hashlib
 import json

@@ -2,7 +2,7 @@
 //
 // For Icarus (-g2012) and Verilator (--binary --timing); `sh run.sh` has the command lines. Arguments:
 //   +words=FILE     the words (words.hex)
-//   +got=FILE       writes the device's words there, for `roughxel vectors judge`, all of them: +stop ends what is printed
+//   +got=FILE       writes the device's words there, for `roughxel vectors check`, all of them: +stop ends what is printed
 //   +stop=N         ends at the N-th vector that differs (10)
 //   +outputs_only   compares what leaves the datapath alone, for a device that does not show its stages
 //   +stalls         both sides of the handshake pause at random

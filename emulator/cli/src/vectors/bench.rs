@@ -12,36 +12,36 @@ use crate::console::complain;
 use crate::{Failure, check_directory};
 
 pub(super) const LONG_HELP: &str = "\
-Write benches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
+Write testbenches that compare a device with sets: SystemVerilog, VHDL, cocotb, a Verilator driver.
 
-For each set DIR/SET gets packages and benches in SystemVerilog (Icarus, Verilator) and VHDL (GHDL),
-a test for cocotb, a driver in C++ for Verilator, the words, and run.sh, which runs any of them:
+DIR/SET gets packages and testbenches in SystemVerilog (Icarus, Verilator) and VHDL (GHDL), a test for
+cocotb, a C++ driver for Verilator, the words, and run.sh, which runs any of them:
 
   roughxel vectors export random --count 64 --profile compact -o sets
   roughxel vectors bench sets/random_compact.json -o benches
   sh benches/random_compact/run.sh icarus
 
-A bench prints every field that differs, with set, index, stage, what was expected and what came, in hex
-and as a number, earliest stage first. SET_device.sv (SET_device.vhd) is the device: it connects the
-generated Verilog in rtl (in VHDL it is blank), and a device of one's own takes its place. Of a set of one
-stage (`vectors export --stage`) the device is that stage's module.";
+A testbench prints every field that differs, with set, index, stage, expected and actual value, in hex and
+as a number. The earliest stage comes first. SET_device.sv (SET_device.vhd) is the device: replace it with
+yours. As written it connects the generated Verilog in rtl; in VHDL it is blank. For a set of one stage
+(`vectors export --stage`) the device is the module of that stage.";
 
 #[derive(Args)]
 pub(crate) struct BenchArgs {
-    /// Sets: directories of them, or single ones (NAME.json or NAME.hex).
+    /// Directories of sets, or single sets (NAME.json or NAME.hex).
     #[arg(required = true, value_name = "SET")]
     sets: Vec<PathBuf>,
-    /// Directory; made if it is not there.
+    /// Directory to write to; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// What SET_device.sv is: the generated Verilog of the set's datapath or stage, effects and profile, or a skeleton with a
-    /// line a field.
+    /// Contents of SET_device.sv: the generated Verilog of the set's datapath or stage, effects and profile, or a skeleton with one
+    /// line per field.
     #[arg(long, value_enum, default_value = "generated")]
     device: DeviceArg,
-    /// Writes SET_device.sv and SET_device.vhd again where they are there; without it they stay as they are.
+    /// Overwrite SET_device.sv and SET_device.vhd. Without it, existing ones are kept.
     #[arg(long)]
     replace_device: bool,
-    /// Summary as JSON.
+    /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -54,7 +54,7 @@ enum DeviceArg {
 
 pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     check_directory(&args.output)?;
-    // Every set is checked before the first bench is written.
+    // Every set is checked before the first testbench is written.
     let mut benches: Vec<Bench> = Vec::new();
     for path in &args.sets {
         for manifest in manifests_of(path)? {

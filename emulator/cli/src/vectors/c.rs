@@ -11,7 +11,7 @@ use crate::{Failure, check_directory};
 
 #[derive(Args)]
 pub(crate) struct CArgs {
-    /// Directory; made if it is not there.
+    /// Directory to write to; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }

@@ -13,49 +13,53 @@ use crate::console::{complain, new_table};
 use crate::{Failure, check_file, write_text};
 
 pub(super) const LONG_HELP: &str = "\
-Print every field of one vector, stage by stage in the order of the pipeline: its hex digits in the word, its integer, its
-real value (exponents of blocks undone, codes decoded), what float64 makes of the same inputs, and the error in last places of
-the field. Then which way the datapath decided and float64, and the sticky bits by name.
+Print every field of one vector, stage by stage in the order of the pipeline: hex digits in the word, integer, real value (with block
+exponents applied and codes decoded), the float64 result for the same inputs, and the error in last places of the field. Then come the
+decisions of the datapath and of float64, and the sticky bits by name.
 
   roughxel vectors explain 'vectors/smoke/random_standard#3'      # quoted: a shell reads # as a comment
   roughxel vectors explain vectors/smoke/random_standard --index 3
   roughxel vectors explain 'DIR/SET#3' --got 0d4f1a_..._91ca0c4d  # the word that a device has
   roughxel vectors explain 'DIR/SET#3' --got face=4 --got lod=1a0 # or some of its fields
-  roughxel vectors explain 'DIR/SET#3' --vcd vector.vcd           # for a waveform viewer, too
+  roughxel vectors explain 'DIR/SET#3' --vcd vector.vcd           # also for a waveform viewer
 
-A device's word is compared field by field: the first wrong stage, its field and its highest wrong bit are named, and every
-wrong field is marked. The check value counts as right if it belongs to the device's word or is that of the set.
+The word of a device is compared field by field. The first wrong stage, its field and its highest wrong bit are named, and every wrong field is
+marked. The check value counts as right if it belongs to the device's word or equals that of the set.
 
-Float64 has no value (`-`, in JSON null) of inputs, exponents and status; with footprint-sphere of columns, covariance, determinant,
-direction, sweep, share and level. Nor has it one where the fields mean something else: on a face, if the datapath chose another one; the
-step, if the number of probes is another or lambda1 was cut; f and amplitude, if root is not that of exponent; the light of a peak whose
-normal is no unit vector, whose exponent is above 8192, or that was saturated; slopes along an axis that a direction does not have; and
-what depends on derivatives or tangents whose exponents are more than 150 from those of v and n.
-An error of a number that nearly cancelled is large in last places and yet right: the line `footprint` tells how much did. A block of
-zeros has no last place, so its error is `-` where float64 is not zero.
+Float64 has no value (`-`, in JSON null) for:
+  - inputs, exponents and status; with footprint-sphere also columns, covariance, determinant, direction, sweep, share and level
+  - fields on a face, if the datapath chose a different face
+  - the step, if the probe count differs or lambda1 was clamped
+  - f and amplitude, if root is not that of exponent
+  - the light of a peak whose normal is not a unit vector, whose exponent is above 8192, or that was saturated
+  - slopes along an axis that a direction does not have
+  - what depends on derivatives or tangents whose exponents are more than 150 from those of v and n
 
-Of a set of one stage (`vectors export --stage`) there are inputs and outcomes as the stage's module has them: no float64, no decisions,
-no status, and real is the mantissa alone beside an exponent.
+A number that nearly cancelled has a large error in last places and is still right: the line `footprint` tells how much cancelled. A block of
+zeros has no last place, so its error is `-` if float64 is not zero.
+
+A set of one stage (`vectors export --stage`) has the inputs and outcomes of the stage's module: no float64, no decisions and no status.
+Next to an exponent, the real value is that of the mantissa alone.
 
 A real number beyond the range of a double is m*2^e, in JSON null.";
 
 #[derive(Args)]
 pub(crate) struct ExplainArgs {
-    /// Set and index of the vector, from 0; of a part of a set, the index in the whole one. The set is NAME.json, NAME.hex or
-    /// NAME.bin, or the same without its extension.
+    /// Set and index of the vector, from 0. In a part of a set, the index is that in the whole set. The set is NAME.json, NAME.hex,
+    /// NAME.bin, or NAME.
     #[arg(value_name = "SET#INDEX")]
     set: String,
-    /// Index of the vector; then the first argument is the set alone.
+    /// Index of the vector, if the first argument is the set alone.
     #[arg(long, value_name = "INDEX")]
     index: Option<u64>,
-    /// What a device has: a whole word in the set's format, underscores or not, or one of its fields as often as needed.
+    /// Word of a device in the set's format, with or without underscores, or one of its fields. Repeat it for more fields.
     #[arg(long, value_name = "WORD|FIELD=HEX")]
     got: Vec<String>,
-    /// The vector as a value change dump for waveform viewers, too: a scope a stage, a variable a field, a time step a stage.
-    /// Fields of --got stand beside the expected ones as NAME_got.
+    /// Also write the vector as a value change dump: a scope and a time step for each stage, a variable for each field. Fields of
+    /// --got appear as NAME_got.
     #[arg(long, value_name = "FILE")]
     vcd: Option<PathBuf>,
-    /// Explanation as JSON.
+    /// Print the explanation as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -70,7 +74,7 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
         true => None,
         false => Some(vector.device_word(&args.got).map_err(|error| Failure::Usage(format!("--got: {error}")))?),
     };
-    // A word of the set that is not what it was written as says nothing about a device.
+    // A damaged word of the set says nothing about a device.
     let compared = device.filter(|_| vector.mismatch().is_none());
     let explanation = vector.explain(compared.as_ref());
 
@@ -106,7 +110,7 @@ pub(super) fn run(args: &ExplainArgs) -> Result<(), Failure> {
     }
 }
 
-/// An index that a set does not have is one of the command line.
+/// Makes the failure of a set that cannot be read. An index that the set does not have is an error of usage.
 pub(super) fn unreadable(error: VectorError) -> Failure {
     match error {
         VectorError::Index { .. } => Failure::Usage(error.to_string()),
@@ -114,7 +118,7 @@ pub(super) fn unreadable(error: VectorError) -> Failure {
     }
 }
 
-/// The set and the index, in one argument or with an index of its own.
+/// Splits `SET#INDEX` into set and index, or takes the index of `--index`.
 pub(super) fn split(set: &str, index: Option<u64>) -> Result<(&str, u64), Failure> {
     if let Some(index) = index {
         return Ok((set, index));
@@ -125,14 +129,14 @@ pub(super) fn split(set: &str, index: Option<u64>) -> Result<(&str, u64), Failur
     let Some((set, index)) = set.rsplit_once('#') else {
         return Err(usage(format!("`{set}` names no vector")));
     };
-    // No sign and no white space: what `parse` takes beside digits is no index.
+    // `parse` also accepts a sign, which an index does not have.
     match index.parse() {
         Ok(number) if index.bytes().all(|c| c.is_ascii_digit()) => Ok((set, number)),
         _ => Err(usage(format!("`{index}` is no index of a vector"))),
     }
 }
 
-/// The manifest of a set, or what there is instead.
+/// Finds the manifest of a set. For a directory, the error lists its sets.
 pub(super) fn manifest_of(set: &Path) -> Result<PathBuf, Failure> {
     if set.is_dir() {
         let manifests = manifests_in(set)?;
@@ -217,7 +221,7 @@ pub(super) fn describe(
     }
 }
 
-/// Two digits behind the point, or an exponent where that would be long.
+/// Formats an error with two digits after the point, or with an exponent if it is 10⁶ or more.
 fn shown_error(error: f64) -> String {
     if error == 0.0 {
         "0".into()

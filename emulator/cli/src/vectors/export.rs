@@ -18,97 +18,100 @@ use serde_json::json;
 use crate::console::{complain, new_table, with_progress};
 use crate::{Failure, ProfileArg, check_directory, effects, parse_profile, remove_abandoned_in};
 
-/// Vectors of a smoke set of hard cases, of one under effects that no other set is under, of the chosen and of the random ones, at most: of
-/// a datapath together below a thousand.
+/// Most vectors of a smoke set of hard cases. All smoke sets of a datapath have fewer than a thousand vectors together.
 const SMOKE_CASES: u64 = 14;
+/// Most vectors of a smoke set under effects that no other set has.
 const SMOKE_ALONE: u64 = 40;
+/// Most vectors of a smoke set of chosen vectors.
 const SMOKE_CHOSEN: u64 = 400;
+/// Vectors of a random smoke set.
 const SMOKE_RANDOM: u64 = 256;
-/// Of each datapath the modules of stages that read tables and together show their entries alone; and the folder of these sets beside the others.
+/// Stage modules of each datapath that read tables and together show every entry on their own.
 const SMOKE_STAGES: [&[&str]; 3] = [
     &["map_scale", "frame", "cube_face", "axes", "probes"],
     &["frame", "half", "highlight_spread", "highlight"],
     &["frame", "half", "local_unit", "horizon_slopes", "peaks_peak"],
 ];
+/// Folder of the sets of [`SMOKE_STAGES`], next to the other smoke sets.
 const SMOKE_STAGES_FOLDER: &str = "stages";
 
 #[derive(Args)]
 pub(crate) struct ExportArgs {
-    /// Sets, as `vectors list` names them; none is all.
+    /// Sets, as `vectors list` names them. The default is all.
     #[arg(value_name = "SET")]
     sets: Vec<String>,
-    /// Directory; made if it is not there.
+    /// Directory to write to; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Profile: a name, or a file (TOML).
+    /// Profile: a name or a file (TOML).
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     profile: ProfileArg,
-    /// Effects that are on instead of those that each set is made for. The fields of a set are those of its effects.
+    /// Effects in place of those that each set is made for. They decide which fields a set has.
     #[arg(long, value_parser = effects::parse, value_name = "LIST", long_help = effects::HELP)]
     effects: Option<Effects>,
-    /// How the tangent frame is found, instead of the way each set is made for.
+    /// Tangent basis in place of the one that each set is made for.
     #[arg(long, value_parser = effects::parse_frame, value_name = "main|natural|natural-normalised")]
     frame: Option<FrameSystem>,
-    /// Sets of the datapaths that the objects of a scene call for, with their effects, in DIR/OBJECT/DATAPATH: scene file
-    /// (TOML), or the name of a built-in scene.
+    /// Scene file (TOML) or built-in scene. Sets are those of the datapaths and effects that its objects need, in
+    /// DIR/OBJECT/DATAPATH.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["effects", "frame"])]
     scene: Option<String>,
     /// Vectors of each random set.
     #[arg(long, default_value_t = 1000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_VECTORS))]
     count: u64,
-    /// Other random sets than the published ones, which are seed 0.
+    /// Seed of the random sets. The published sets have seed 0.
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// The smoke sets kept in the repository: of each datapath 400 chosen and 256 random vectors under `standard`, `compact` and
-    /// `narrow`, under `standard` hard cases by name, too, and in DIR/stages the vectors for entries of tables of the stages that read them.
+    /// Write the smoke sets of the repository: for each datapath 400 chosen and 256 random vectors under `standard`, `compact` and
+    /// `narrow`. Under `standard` also hard cases by name, and in DIR/stages the table-entry vectors of the stages that read tables.
     #[arg(long, conflicts_with_all = ["sets", "profile", "count", "seed", "effects", "frame", "scene"])]
     smoke: bool,
-    /// Words as records of bytes, NAME.bin, for programs, instead of as text, NAME.hex, for simulators.
+    /// Write words as byte records for programs, NAME.bin, instead of text for simulators, NAME.hex.
     #[arg(long, conflicts_with = "smoke")]
     bin: bool,
-    /// Inputs and outputs only, without the outcomes of stages between them.
+    /// Write inputs and outputs only, without the outcomes of the stages between them.
     #[arg(long, conflicts_with = "smoke")]
     no_taps: bool,
-    /// Sets of one stage instead: what goes in and out of its Verilog module (`reflect`, `columns_pixel`), or of each of its modules
-    /// (`columns`), as `verilog --stage` names them. Sets whose datapath has no such stage are left out.
+    /// Write sets of one stage: the inputs and outputs of its Verilog module (`reflect`, `columns_pixel`), or of each of its modules
+    /// (`columns`), as `verilog --stage` names them. Sets whose datapath lacks the stage are left out.
     #[arg(long, value_name = "NAME", conflicts_with_all = ["smoke", "no_taps"])]
     stage: Option<String>,
-    /// Part K of N of each set alone, K from 1, as SET_PROFILE.KofN: a contiguous range of its vectors. `vectors merge` joins all
-    /// parts to what an export without this option writes, to the byte. A set has no more parts than vectors.
+    /// Write only part K of N of each set, K from 1: a contiguous range of its vectors, as SET_PROFILE.KofN. `vectors merge` joins
+    /// the parts to the exact bytes of a whole export; a set has no more parts than vectors.
     #[arg(long, value_name = "K/N", value_parser = parse_shard)]
     shard: Option<Shard>,
-    /// Keep the sets that are in DIR already, whole and the same: made by this version of the program from the same options,
-    /// with words of the SHA-256 in the manifest. For an export that was interrupted.
+    /// Continue an interrupted export: keep sets in DIR that are whole and the same. They are of this program version and the same
+    /// options, and their words have the SHA-256 of the manifest.
     #[arg(long)]
     resume: bool,
-    /// Summary as JSON.
+    /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
 }
 
-/// `K/N`.
+/// Parses `K/N`.
 fn parse_shard(text: &str) -> Result<Shard, String> {
     let number = |text: &str| text.parse().ok().filter(|_| text.bytes().all(|c| c.is_ascii_digit()));
     let shard = text.split_once('/').and_then(|(k, n)| Shard::new(number(k)?, number(n)?));
     shard.ok_or_else(|| format!("a part is K/N, K from 1 to N and N at most {MAX_VECTORS}, such as 2/8"))
 }
 
-/// What is exported of the listed sets, and how.
+/// Options of an export that hold for all its sets.
 struct Export<'a> {
     profile: &'a NamedPrecision,
-    /// Effects instead of those of each set.
+    /// Effects in place of those of each set.
     effects: Option<Effects>,
     frame: Option<FrameSystem>,
     words: Words,
-    /// The stage that the sets are of.
+    /// Stage that the sets are of.
     stage: Option<&'a str>,
     shard: Option<Shard>,
-    /// Whether sets that are there stay.
+    /// True if existing sets are kept.
     resume: bool,
     directory: &'a Path,
 }
 
-/// A set that was written, or was there.
+/// A set that was written or kept.
 struct Exported {
     directory: PathBuf,
     manifest: Manifest,
@@ -116,13 +119,13 @@ struct Exported {
 }
 
 impl Export<'_> {
-    /// The effects of a set.
+    /// Effects of a set, with the options applied.
     fn effects(&self, of_set: Effects) -> Effects {
         let frame = self.frame.unwrap_or(of_set.frame);
         Effects { frame, ..self.effects.unwrap_or(of_set) }
     }
 
-    /// `most` vectors of a set of hard cases.
+    /// Exports the first `most` vectors of a set of hard cases.
     fn cases(&self, set: &VectorSet, most: u64) -> Result<Vec<Exported>, Failure> {
         let all = set.inputs.len() as u64;
         let count = most.min(all);
@@ -133,7 +136,7 @@ impl Export<'_> {
         self.write(&info, count, &|index: u64| set.part(index, count))
     }
 
-    /// A random set.
+    /// Exports a random set.
     fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Vec<Exported>, Failure> {
         let (name, _, description) = RANDOM_SETS[datapath as usize];
         let seed = if seed == 0 { name.to_owned() } else { format!("{name}+{seed}") };
@@ -154,8 +157,9 @@ impl Export<'_> {
         SetInfo { name, description, seed, datapath, effects, precision: *precision, profile, words: self.words }
     }
 
-    /// Writes a set, its part or, where it may stay and is there, nothing; or those of the modules of the stage. There are none where the
-    /// part has no vectors, or the set's datapath no such stage.
+    /// Writes a set or its part, or one set for each module of the stage. A set that is kept is not written.
+    ///
+    /// Returns no sets if the part has no vectors or the set's datapath lacks the stage.
     fn write(&self, info: &SetInfo<'_>, count: u64, input: &dyn InputSource) -> Result<Vec<Exported>, Failure> {
         let Some(stage) = self.stage else {
             return Ok(self.write_set(SetExport::new(info, count), input)?.into_iter().collect());
@@ -168,7 +172,7 @@ impl Export<'_> {
         stages.iter().filter_map(write).collect()
     }
 
-    /// Writes a set, or what [`write`](Self::write) says in its place.
+    /// Writes a set or its part, or keeps it. Returns `None` if the part has no vectors.
     fn write_set(&self, mut set: SetExport<'_>, input: &dyn InputSource) -> Result<Option<Exported>, Failure> {
         let directory = self.directory.to_path_buf();
         if let Some(shard) = self.shard {
@@ -192,7 +196,7 @@ impl Export<'_> {
         Ok(Some(Exported { directory, manifest, kept: false }))
     }
 
-    /// Checks that the sets, each with its datapath and effects, have the stage: each of those that were `named`, or any of all.
+    /// Checks that the sets, each with its datapath and effects, have the stage. Each `named` set must have it; of all sets, one must.
     fn check_stage<'b>(
         &self,
         named: bool,
@@ -270,7 +274,7 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The sets of the command line, of the wanted datapaths.
+/// Exports the sets of the command line whose datapath `of` accepts.
 fn chosen(
     args: &ExportArgs,
     export: &Export<'_>,
@@ -300,7 +304,7 @@ fn chosen(
     Ok(())
 }
 
-/// The sets kept in the repository: of the options those that say which part, whether sets stay, and where.
+/// Exports the smoke sets of the repository. Of the options only shard, resume and directory count.
 fn smoke(options: &Export<'_>, written: &mut Vec<Exported>) -> Result<(), Failure> {
     remove_abandoned_in(options.directory);
     for named in [Profile::Standard, Profile::Compact, Profile::Narrow] {

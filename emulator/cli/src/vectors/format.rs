@@ -11,17 +11,17 @@ use roughxel_vectors::{in_page, tables};
 use crate::{Failure, write_text};
 
 pub(super) const LONG_HELP: &str = "\
-Print the tables of fields in vectors/FORMAT.md, as the datapaths declare their ports.
+Print the field tables of vectors/FORMAT.md, as the datapaths declare their ports.
 
-A row is a declared field of a datapath: its columns in a word, the path of its port, direction,
-stage, format, unit, what it is. Formats: I signed, U unsigned, bits before the point, F bits behind
-it; p is the profile's fraction_bits, l its lod_bits.
+A row is a declared field of a datapath: its columns in a word, port path, direction, stage, format,
+unit and meaning. Formats: I signed or U unsigned with the bits before the point, F with the bits
+after it; p is the profile's fraction_bits, l its lod_bits.
 
 Exit codes: 0 done, 1 the page cannot be read or written, or has no place for the tables, 2 usage.";
 
 #[derive(Args)]
 pub(crate) struct FormatArgs {
-    /// Put the tables into this page instead, between its marks; the page is replaced whole or not at all.
+    /// Put the tables into this page, between its markers. The page is replaced whole or not at all.
     #[arg(long, value_name = "FILE")]
     write: Option<PathBuf>,
 }

@@ -12,7 +12,7 @@ use crate::console::new_table;
 
 #[derive(Args)]
 pub(crate) struct ListArgs {
-    /// List as JSON.
+    /// Print the list as JSON.
     #[arg(long)]
     json: bool,
 }

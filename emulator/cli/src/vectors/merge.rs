@@ -11,24 +11,24 @@ use crate::console::with_progress;
 use crate::{Failure, check_directory, remove_abandoned_in};
 
 pub(super) const LONG_HELP: &str = "\
-Join the parts of sets that `export --shard` wrote, to the sets that an export without it writes, to the byte.
+Join the parts of sets that `export --shard` wrote. The result equals an export without --shard, to the byte.
 
   roughxel vectors export random --count 4000000 --shard 1/2 -o parts   # on one machine
-  roughxel vectors export random --count 4000000 --shard 2/2 -o parts   # on another one
+  roughxel vectors export random --count 4000000 --shard 2/2 -o parts   # on another machine
   roughxel vectors merge parts -o sets
 
-Every part of a set has to be there once, all of one export (set, seed, profile, effects, fields, version of the program),
-with words of the SHA-256 in its manifest. Nothing is recomputed: that is what `vectors verify` does, with parts, too.";
+Every part of a set must be present once. All parts must agree in set, seed, profile, effects, fields and program version, and the words of
+each must have the SHA-256 of its manifest. Nothing is recomputed: `vectors verify` does that, for parts too.";
 
 #[derive(Args)]
 pub(crate) struct MergeArgs {
-    /// Directories of parts, or single ones (NAME.KofN.json, .hex or .bin). Whole sets in a directory are passed over.
+    /// Directories of parts, or single parts (NAME.KofN.json, .hex or .bin). Whole sets in a directory are ignored.
     #[arg(required = true, value_name = "DIR|PART")]
     parts: Vec<PathBuf>,
-    /// Directory; made if it is not there.
+    /// Directory to write to; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Summary as JSON.
+    /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
 }

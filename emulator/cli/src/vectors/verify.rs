@@ -13,10 +13,10 @@ use crate::{Failure, on_one_line};
 
 #[derive(Args)]
 pub(crate) struct VerifyArgs {
-    /// Directories of sets, or single ones (NAME.json, NAME.hex or NAME.bin).
+    /// Directories of sets, or single sets (NAME.json, NAME.hex or NAME.bin).
     #[arg(required = true, value_name = "DIR|MANIFEST")]
     paths: Vec<PathBuf>,
-    /// Result as JSON.
+    /// Print the result as JSON.
     #[arg(long)]
     json: bool,
 }

@@ -1,4 +1,4 @@
-//! `roughxel choose`: what it finds is a profile file with the figures it tells.
+//! `roughxel choose`: the profile file that it writes has the figures that it prints.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ fn what_is_chosen_meets_the_aim_and_is_a_profile_that_draws() {
     assert!(psnr(chosen) >= 40.0 && (next.is_null() || psnr(next) < 40.0 && cost(next) < cost(chosen)));
     assert!(by_accuracy["measured"].as_u64() < by_accuracy["candidates"].as_u64());
 
-    // The most accurate of what costs no more is at least as accurate.
+    // The most accurate profile within the same cost is at least as accurate.
     let by_budget = choose("lake", &["--budget", &cost(chosen).to_string()], &file).json();
     assert!(psnr(&by_budget["chosen"]) >= psnr(chosen) && cost(&by_budget["chosen"]) <= cost(chosen));
 
@@ -35,7 +35,7 @@ fn what_is_chosen_meets_the_aim_and_is_a_profile_that_draws() {
     assert!(Path::new(&picture).exists());
 }
 
-/// Every profile is drawn in it before one is out of reach.
+/// Scene in which every profile is drawn before one is out of reach.
 const FLAT_MIRROR: &str = r#"
 [camera]
 eye = [0, 1, 3]

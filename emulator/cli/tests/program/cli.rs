@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use super::fixture::{Folder, Run, program, roughxel};
 
-/// The figures that a line of arguments without blanks prints.
+/// Runs a line of arguments without blanks and reads its JSON.
 fn json(line: &str) -> serde_json::Value {
     roughxel(&line.split_whitespace().collect::<Vec<_>>()).json()
 }
@@ -79,7 +79,7 @@ fn failures_end_with_1_and_name_the_file() {
     ]);
 }
 
-/// Before a scene is read: none of those named is there.
+/// Outputs are refused before scenes are read: the scenes named here do not exist.
 #[test]
 fn what_cannot_be_written_is_told_before_the_work() {
     let directory = Folder::new();
@@ -122,7 +122,7 @@ fn pipes_are_refused_and_not_waited_for() {
     ] {
         directory.run(line).ends(1).complains(&["pipe.toml", "no regular file but a pipe"]);
     }
-    // The one input that may be a pipe has a name of its own.
+    // The only input that may be a pipe is named `-`.
     directory.run("eval pipe.toml").complains(&["`-` for stdin"]);
 }
 
@@ -232,7 +232,7 @@ fn a_plan_names_what_decided_each_effect_and_what_is_off_costs_nothing() {
         effects.iter().find(|effect| effect["effect"] == name).unwrap_or_else(|| panic!("no {name}")).clone()
     };
     let lake = effects("plan lake --json");
-    // A flat mirror with waves: everything but a colour map and normals that turn.
+    // A flat mirror with waves has every effect except a colour map and normals that turn.
     for (name, on, why) in [
         ("colour texture", false, "no `colour_map`"),
         ("bump", true, "`height_map`"),
@@ -268,7 +268,7 @@ fn a_plan_says_what_the_frame_and_all_maps_take() {
     let plan = json("plan lake --size 320x200 --json");
     assert_eq!(plan["frame_bytes"], 15 * 320 * 200);
     let effects = plan["objects"][0]["effects"].as_array().unwrap();
-    // One object: its maps are all that there are.
+    // The scene has one object, so its maps are all maps.
     let maps: u64 = effects.iter().map(|effect| effect["map_bytes"].as_u64().unwrap()).sum();
     assert!(maps > 1 << 20);
     assert_eq!(plan["map_bytes"], maps);
@@ -349,7 +349,7 @@ fn a_reader_that_leaves_early_is_no_failure() {
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let rows = "0,0,1,0,0,1\n".repeat(5000);
-    // The program may end before it has read everything.
+    // The program may end before it reads everything.
     let _ =
         std::io::Write::write_all(&mut child.stdin.take().unwrap(), format!("nx,ny,nz,vx,vy,vz\n{rows}").as_bytes());
     let output = child.wait_with_output().unwrap();
@@ -366,7 +366,7 @@ fn a_captured_frame_is_a_set_that_verifies() {
     directory.done("vectors verify sets");
 }
 
-/// The paths of input and output ports, by the manifest of a generated top.
+/// Lists the paths of input and output ports from the manifest of a generated top.
 fn ports_of(top: &Path) -> BTreeSet<String> {
     let manifest: serde_json::Value = serde_json::from_slice(&std::fs::read(top).unwrap()).unwrap();
     let of = |side: &str| manifest["top"][side].as_array().unwrap().clone();
@@ -399,5 +399,22 @@ fn vectors_and_verilog_of_a_scene_have_what_its_plan_has_and_no_more() {
         }
         assert!(ports.contains(present), "{scene}: {present} in {ports:?}");
         assert!(!ports.iter().any(|port| port.starts_with(absent)), "{scene}: {absent} in {ports:?}");
+    }
+}
+
+#[test]
+fn old_names_of_commands_work_and_the_help_does_not_list_them() {
+    let list = roughxel(&["vectors", "--help"]).ends(0).out;
+    let is_listed = |name: &str| list.lines().any(|line| line.split_whitespace().next() == Some(name));
+    for (old, new) in [
+        ("judge", "check"),
+        ("marks", "ambiguous"),
+        ("minimise", "shrink"),
+        ("distil", "condense"),
+        ("report", "coverage"),
+    ] {
+        let [of_old, of_new] = [old, new].map(|name| roughxel(&["vectors", name, "--help"]).ends(0).out);
+        assert_eq!(of_old, of_new, "{old}");
+        assert!(is_listed(new) && !is_listed(old), "{old}, {new}");
     }
 }

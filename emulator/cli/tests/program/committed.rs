@@ -16,8 +16,8 @@ fn the_committed_smoke_sets_verify() {
 
 #[test]
 fn the_smoke_command_writes_the_committed_sets() {
-    // Grades are written behind it.
-    let without_grade = |name: &str, bytes: Vec<u8>| {
+    // Coverage is written afterwards.
+    let without_coverage = |name: &str, bytes: Vec<u8>| {
         if !name.ends_with(".json") {
             return bytes;
         }
@@ -25,7 +25,7 @@ fn the_smoke_command_writes_the_committed_sets() {
         manifest.as_object_mut().unwrap().remove("grade");
         manifest.to_string().into_bytes()
     };
-    writes_what_is_committed("vectors export --smoke", "vectors/smoke", without_grade);
+    writes_what_is_committed("vectors export --smoke", "vectors/smoke", without_coverage);
 }
 
 #[test]
@@ -53,11 +53,11 @@ fn the_committed_sets_say_how_good_they_are() {
             fs::copy(path.with_extension(extension), directory.join(&file)).unwrap();
         }
     }
-    directory.done("vectors report . --write");
+    directory.done("vectors coverage . --write");
     for path in manifests {
         let name = name(path);
         let [theirs, ours] = [path, &directory.join(&format!("{name}.json"))].map(|path| fs::read(path).unwrap());
-        assert!(theirs == ours, "{name}: run `roughxel vectors report vectors/smoke vectors/smoke/stages --write`");
+        assert!(theirs == ours, "{name}: run `roughxel vectors coverage vectors/smoke vectors/smoke/stages --write`");
         assert!(Manifest::read(path).unwrap().grade.is_some());
     }
     directory.done("vectors verify .");
@@ -68,8 +68,9 @@ fn the_rom_command_writes_the_committed_tables() {
     writes_what_is_committed("vectors rom", "vectors/rom", |_, bytes| bytes);
 }
 
-/// Runs a command with `-o`: it has to write the files of a folder of the repository and of the folders in it, as far as `compared` leaves of them,
-/// and no others.
+/// Runs a command with `-o`. It must write exactly the files of a folder of the repository, subfolders included.
+///
+/// `compared` selects what is compared of each file.
 fn writes_what_is_committed(command: &str, folder: &str, compared: impl Fn(&str, Vec<u8>) -> Vec<u8>) {
     let directory = Folder::new();
     directory.done(&format!("{command} -o ."));
@@ -86,7 +87,7 @@ fn writes_what_is_committed(command: &str, folder: &str, compared: impl Fn(&str,
     let committed = repository().join(folder);
     assert_eq!(files(directory.path()), files(&committed));
     for name in files(&committed) {
-        // No assert_eq: it would print the files.
+        // `assert_eq` would print the files.
         let [theirs, ours] = [&committed, directory.path()]
             .map(|at| compared(name.to_str().unwrap(), fs::read(at.join(&name)).unwrap()));
         let same = theirs == ours;

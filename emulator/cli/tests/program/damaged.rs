@@ -1,4 +1,4 @@
-//! What happens to files of sets, and that `verify`, `explain` and `bench` call it by its name.
+//! Damage to the files of sets, and how `verify`, `explain` and `bench` name it.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use super::fixture::{Folder, Run};
 
-/// A set in a directory of its own, as the program writes it.
+/// A set in its own directory, as the program writes it.
 struct Set {
     directory: Folder,
     stem: &'static str,
@@ -14,7 +14,7 @@ struct Set {
 }
 
 impl Set {
-    /// 24 random reflections under `narrow`.
+    /// Exports 24 random reflections under `narrow`.
     fn random(form: &'static str) -> Self {
         let option = if form == "bin" { "--bin" } else { "" };
         Self::exported("random_narrow", form, &format!("random --count 24 --profile narrow {option}"))
@@ -26,7 +26,7 @@ impl Set {
         Self { directory, stem, form }
     }
 
-    /// The same in text, with other lines; the first one is the title.
+    /// Writes the set as text with changed lines. The first line is the title.
     fn changed(change: impl FnOnce(&mut Vec<String>)) -> Self {
         let set = Self::random("hex");
         set.change(change);
@@ -51,13 +51,13 @@ impl Set {
         fs::write(self.path(self.form), words).unwrap();
     }
 
-    /// `verify` has to end with a code and say all of `parts`.
+    /// Asserts that `verify` ends with a code and says all of `parts`.
     fn verify_says(&self, code: i32, parts: &[&str]) -> Run {
         let run = self.directory.run(&format!("vectors verify {}.json", self.stem)).ends(code);
         Run { out: run.out + &run.err, ..run }.prints(parts)
     }
 
-    /// Each command has to end with 1 and say all of `parts`, the name of the file among them.
+    /// Asserts that each command ends with 1 and says all of `parts`, the name of the file among them.
     fn every_command_says(&self, extension: &str, parts: &[&str]) {
         let file = format!("{}.{extension}", self.stem);
         for command in ["verify @", "explain @ --index 3", "bench @ --device blank -o bench"] {
@@ -108,7 +108,7 @@ fn a_line_that_is_missing_or_there_twice_is_named() {
     });
     let twice = "word #4 is there once more (line 7); word #4 is there once more";
     set.every_command_says("hex", &["26 vectors", twice]);
-    // As many as there have to be.
+    // The number of vectors is right.
     let set = Set::changed(|lines| lines[9] = lines[6].clone());
     set.verify_says(3, &["word #5 is there once more (line 10)", "word #8 is missing"]);
 }
@@ -156,7 +156,7 @@ fn bytes_in_a_text_and_text_for_bytes_are_called_that() {
     let title = whole.iter().position(|&byte| byte == b'\n').unwrap() + 1;
     text.write([&whole[..title], &bytes.read()].concat());
     text.every_command_says("hex", &["random_narrow.hex:2: byte ", "the file is binary", "Export the set again"]);
-    // Without an end of line within the longest line.
+    // The file has no line end within the longest line.
     text.write(vec![0; 10_000]);
     text.every_command_says("hex", &["random_narrow.hex:1: byte 0 of the file is 00", "the file is binary"]);
 
@@ -179,7 +179,7 @@ fn files_that_are_cut_short_say_where() {
     bytes.verify_says(1, &["random_narrow.bin:24: ", &end(whole.len() - 5)]);
 }
 
-/// Whatever stands in the place of a file, no command waits for it or reads it without end.
+/// Special files in place of a file: no command waits for them or reads them without end.
 #[test]
 #[cfg(unix)]
 fn what_is_no_file_is_refused_and_nothing_waits() {
@@ -216,7 +216,7 @@ fn a_manifest_with_huge_numbers_takes_no_memory() {
         fs::write(&json, changed).unwrap();
         set.every_command_says(extension, &[reason]);
     }
-    // Nobody counts on the size.
+    // No command relies on the size.
     let bytes = text.lines().find(|line| line.contains("\"bytes\"")).unwrap();
     fs::write(&json, text.replacen(bytes, "      \"bytes\": 18446744073709551615,", 1)).unwrap();
     set.verify_says(0, &[]);

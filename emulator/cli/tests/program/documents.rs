@@ -18,14 +18,14 @@ fn help(command: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Names of the commands that a help lists.
+/// Reads the names of the commands in a help.
 fn commands(help: &str) -> Vec<String> {
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let names = listed.filter_map(|line| line.split_whitespace().next());
     names.filter(|name| *name != "help").map(str::to_owned).collect()
 }
 
-/// The page: the help of every command. What most of them end with stands once.
+/// Makes the page: the help of every command. The common end of most helps appears once.
 fn page() -> String {
     let program = help(&[]);
     let (_, conventions) = program.split_once("Units and formats:").expect("it says units");
@@ -62,7 +62,7 @@ fn the_page_of_commands_is_the_help_of_the_program() {
     assert!(fs::read_to_string(path).unwrap_or_default() == page, "docs/cli.md is stale, run `{command}`");
 }
 
-/// Documents that show commands.
+/// Lists the documents that show commands.
 fn documents() -> Vec<PathBuf> {
     let folders =
         ["", "docs", "docs/decisions", "emulator", "emulator/scenes", "emulator/firmware", "vectors", "vectors/hdl"];
@@ -73,7 +73,7 @@ fn documents() -> Vec<PathBuf> {
     paths.filter(is_text).collect()
 }
 
-/// The pieces of code of a document: lines of blocks, and what stands between backticks.
+/// Lists the pieces of code of a document: lines of blocks, and text between backticks.
 fn code(text: &str) -> Vec<&str> {
     let mut is_block = false;
     let pieces = text.lines().flat_map(|line| {
@@ -84,7 +84,7 @@ fn code(text: &str) -> Vec<&str> {
     pieces.collect()
 }
 
-/// The arguments of a piece of code that calls the program. Placeholders become values.
+/// Reads the arguments of a piece of code that calls the program. Placeholders become values.
 fn arguments<'a>(code: &'a str, commands: &[String], is_first_page: bool) -> Option<Vec<&'a str>> {
     let of_program = ["cargo run --release -- ", "cargo run --release --features flip -- ", "roughxel "];
     let line = of_program.iter().find_map(|start| code.strip_prefix(start)).or_else(|| {
@@ -101,7 +101,7 @@ fn arguments<'a>(code: &'a str, commands: &[String], is_first_page: bool) -> Opt
     Some(line.split_whitespace().filter(|word| *word != "…").map(value).collect())
 }
 
-/// A command that could not be parsed would fail at the word that is wrong, before it comes to `--help`.
+/// Commands are parsed with `--help` added. A wrong word fails before `--help` takes effect.
 #[test]
 fn commands_in_documents_are_commands_of_the_program() {
     let (commands, mut count, mut wrong) = (commands(&help(&[])), 0, Vec::new());

@@ -10,7 +10,7 @@ fn eval(arguments: &[&str], input: &str) -> Run {
     Run::reading(&mut program(&[&["eval"], arguments].concat()), input)
 }
 
-/// The result's columns by name.
+/// Reads the columns of a result by name.
 fn table(run: &Run) -> HashMap<String, Vec<f64>> {
     assert_eq!(run.code, Some(0), "{}", run.err);
     let mut lines = run.out.lines();
@@ -34,10 +34,10 @@ fn a_mirror_seen_head_on_reflects_straight_back() {
     // r = 2n(v.n) - v|n|^2 = v; a pixel is 2^-7 on the face, two texels of 512.
     assert_eq!((one("r_x"), one("r_y"), one("r_z")), (0.0, 0.0, 2.0));
     assert_eq!((one("probes"), one("step_s"), one("lod")), (1.0, 0.007_812_5, 1.0));
-    // A pixel box has variance 1/12; standard keeps 20 bits of three roots and products on the way.
+    // A pixel box has variance 1/12. `standard` keeps 20 bits in three roots and products.
     let sigma = 0.007_812_5 / 12_f64.sqrt();
     assert!((one("lambda1") / sigma - 1.0).abs() < 1.0 / f64::from(1 << 17));
-    // h = (0, 1, 0) where it is not given: E1 = h x n, E2 = n x E1.
+    // If h is not given, it is (0, 1, 0): E1 = h x n, E2 = n x E1.
     assert!((one("e1_x") - 1.0).abs() < 1e-5 && (one("e2_y") - 1.0).abs() < 1e-5);
 }
 

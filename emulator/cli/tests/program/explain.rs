@@ -1,4 +1,4 @@
-//! `vectors explain`: one vector beside float64, and where a device's word goes wrong first.
+//! `vectors explain`: one vector next to float64, and where a device's word first goes wrong.
 
 use std::collections::HashMap;
 use std::fs;
@@ -29,13 +29,13 @@ fn field<'a>(explanation: &'a Explanation, name: &str) -> &'a Explained {
     explanation.fields.iter().find(|field| field.field == name).unwrap()
 }
 
-/// The error of a field in its unit, where it has one.
+/// Error of a field in its unit, if there is one.
 fn error(explanation: &Explanation, name: &str) -> Option<f64> {
     let Explained { real, float64, .. } = field(explanation, name);
     Some((real.value()? - (*float64)?.value()?).abs())
 }
 
-/// The number behind a text in the note of a decision.
+/// Reads the number after a text in the note of a decision.
 fn noted(explanation: &Explanation, what: &str, before: &str) -> f64 {
     let note = &explanation.decisions.iter().find(|decision| decision.what == what).unwrap().note;
     let rest = note.split_once(before).unwrap().1;
@@ -46,17 +46,17 @@ fn run(arguments: &[&str]) -> Run {
     roughxel(&[&["vectors", "explain"], arguments].concat())
 }
 
-/// The words of a committed set.
+/// Reads the words of a committed set.
 fn word(set: &str, index: usize) -> String {
     fixture::words(&smoke(&format!("{set}.hex"))).swap_remove(index)
 }
 
-/// The argument for a vector of a committed set.
+/// Makes the argument for a vector of a committed set.
 fn at(set: &str, index: u64) -> String {
     format!("{}#{index}", smoke(set).display())
 }
 
-/// The word with a bit of a field flipped; its check value stays.
+/// Flips a bit of a field in a word. The check value stays.
 fn flipped(set: &str, index: usize, field: &str, bit: u32) -> String {
     let manifest = Manifest::read(&manifest(set)).unwrap();
     let place = manifest.fields.iter().position(|other| other.name == field).unwrap();
@@ -86,7 +86,7 @@ fn every_field_is_explained_in_the_order_of_the_pipeline() {
                 let mut stages: Vec<&str> = explanation.fields.iter().map(|field| field.stage.as_str()).collect();
                 assert_eq!((stages[0], stages[stages.len() - 1]), ("input", "check"));
                 stages.dedup();
-                // No stage comes twice.
+                // No stage appears twice.
                 let count = stages.len();
                 stages.sort_unstable();
                 stages.dedup();
@@ -133,7 +133,7 @@ fn float64_has_every_outcome_of_the_random_sets_but_exponents_and_status() {
     }
 }
 
-/// Errors of the fields of random reflections that the table of accuracy bars has, where that table counts them.
+/// Fields of random reflections are tested if they have an accuracy bar, for the fragments that the bar counts.
 #[test]
 fn errors_against_float64_hold_the_table_of_accuracy() {
     let bar = |figure: Figure| figure.bar("standard").unwrap();
@@ -183,7 +183,7 @@ fn errors_against_float64_hold_the_table_of_accuracy() {
 
 #[test]
 fn lights_are_those_of_float64_within_their_last_places() {
-    // Of f and of the light of a peak the bars are relative to √m and the amplitude; the other fields have a few last places.
+    // The bars of f and of a peak's light are relative to √m and the amplitude. The other fields have a few last places.
     for (set, names) in [
         ("random_highlight_standard", &["normal_mod_x", "rough_1_y", "rough_2_z", "spread_2_x", "amplitude_m"][..]),
         ("random_peak_standard", &["local_light_x", "local_light_z", "local_eye_y", "slopes_0_0", "slopes_1_1"][..]),
@@ -294,10 +294,10 @@ fn of_several_wrong_fields_all_are_marked_and_the_earliest_stage_is_named() {
 fn a_right_word_is_right_with_its_own_check_value_or_that_of_the_set() {
     let path = at("random_standard", 9);
     run(&[&path, "--got", &word("random_standard", 9)]).ends(0).prints(&["every field that was given is right"]);
-    // A check value that belongs to neither is wrong, and nothing else is.
+    // A check value that belongs to neither word is the only wrong field.
     let got = flipped("random_standard", 9, "check", 31);
     run(&[&path, "--got", &got]).ends(3).complains(&["stage check, field check, bit 31"]);
-    // A sign that fills the digits is not what the format has.
+    // The format does not extend the sign over the digits.
     let negative = (0..256).find(|&i| field(&explanation("random_standard", i), "st_s").integer < 0).unwrap();
     let got = flipped("random_standard", negative as usize, "st_s", 23);
     let run = run(&[&at("random_standard", negative), "--got", &got]).ends(3);
@@ -348,7 +348,7 @@ fn bad_words_are_told_with_the_remedy() {
     }
 }
 
-/// A copy of a committed set, with other words.
+/// Copies a committed set and changes its words.
 fn copied(change: impl Fn(&str) -> String) -> Folder {
     let directory = Folder::new();
     fs::copy(manifest("random_standard"), directory.join("random_standard.json")).unwrap();
@@ -363,7 +363,7 @@ fn a_damaged_set_is_told_as_verify_tells_it() {
     let directory = copied(|text| text.replace(&good, &bad));
     let damage = "random #4 (line 6): stage input, field dview_1_z, bit 2: flipped in the file";
     directory.run("vectors explain random_standard#4").ends(3).complains(&[damage]).prints(&["in the file"]);
-    // A device is not judged by a word that is damaged, and the other words are explained with a note.
+    // A device is not compared with a damaged word. Other words are explained with a note.
     let run = directory.run(&format!("vectors explain random_standard#4 --got {good}")).ends(3);
     run.complains(&["--got was not compared"]);
     directory.done("vectors explain random_standard#5").complains(&["SHA-256"]);
@@ -374,7 +374,7 @@ fn a_damaged_set_is_told_as_verify_tells_it() {
     directory.refuses(&[("vectors explain random_standard#20", 1, "8 vectors, but the manifest says 256")]);
 }
 
-/// A variable of a value change dump: its scopes, its width, its changes.
+/// A variable of a value change dump: scopes, width, changes.
 #[derive(Debug, Default)]
 struct Wave {
     name: String,

@@ -1,4 +1,4 @@
-//! Runs of the program, each with what it wrote and its exit code, and a folder of its own for each test.
+//! Runs of the program with output and exit code, and a folder for each test.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// The program with arguments and nothing to read.
+/// Makes the command of the program with arguments and an empty stdin.
 pub(super) fn program(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_roughxel"));
     command.args(arguments).stdin(Stdio::null());
@@ -19,7 +19,7 @@ pub(super) fn roughxel(arguments: &[&str]) -> Run {
     Run::of(&mut program(arguments))
 }
 
-/// What a run left.
+/// Output and exit code of a run.
 #[derive(Debug)]
 pub(super) struct Run {
     pub(super) code: Option<i32>,
@@ -32,10 +32,10 @@ impl Run {
         Self::left(command.output().unwrap())
     }
 
-    /// A run that reads a text.
+    /// Runs a command that reads a text from stdin.
     pub(super) fn reading(command: &mut Command, input: &str) -> Self {
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        // The program may end before it has read everything.
+        // The program may end before it reads everything.
         let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
         Self::left(child.wait_with_output().unwrap())
     }
@@ -53,28 +53,28 @@ impl Run {
         self
     }
 
-    /// Asserts that each part is in what was written to stdout.
+    /// Asserts that stdout has each part.
     #[track_caller]
     pub(super) fn prints(self, parts: &[&str]) -> Self {
         parts.iter().for_each(|part| assert!(self.out.contains(part), "`{part}` is not in: {}", self.out));
         self
     }
 
-    /// Asserts that each part is in what was written to stderr.
+    /// Asserts that stderr has each part.
     #[track_caller]
     pub(super) fn complains(self, parts: &[&str]) -> Self {
         parts.iter().for_each(|part| assert!(self.err.contains(part), "`{part}` is not in: {}", self.err));
         self
     }
 
-    /// What was written to stdout by a run that ended well.
+    /// Parses stdout as JSON. The run must end with 0.
     #[track_caller]
     pub(super) fn json(self) -> Value {
         serde_json::from_str(&self.ends(0).out).unwrap()
     }
 }
 
-/// A folder of its own.
+/// A temporary folder for a test.
 pub(super) struct Folder(TempDir);
 
 impl Folder {
@@ -90,30 +90,30 @@ impl Folder {
         self.path().join(name)
     }
 
-    /// The path of a file in it, as an argument.
+    /// Path of a file in the folder, as an argument.
     pub(super) fn file(&self, name: &str) -> String {
         self.join(name).to_str().unwrap().to_owned()
     }
 
-    /// The program in it; no argument of the line has a blank.
+    /// Makes the command of the program in the folder. Arguments of the line have no blanks.
     pub(super) fn program(&self, line: &str) -> Command {
         let mut command = program(&line.split_whitespace().collect::<Vec<_>>());
         command.current_dir(self.path());
         command
     }
 
-    /// Runs the program in it.
+    /// Runs the program in the folder.
     pub(super) fn run(&self, line: &str) -> Run {
         Run::of(&mut self.program(line))
     }
 
-    /// The same; it has to end well.
+    /// Runs the program in the folder and asserts that it ends with 0.
     #[track_caller]
     pub(super) fn done(&self, line: &str) -> Run {
         self.run(line).ends(0)
     }
 
-    /// Asserts that each line ends with its code and has its part in the complaint.
+    /// Asserts that each line ends with its code and that stderr has its part.
     #[track_caller]
     pub(super) fn refuses(&self, cases: &[(&str, i32, &str)]) {
         cases.iter().for_each(|(line, code, part)| drop(self.run(line).ends(*code).complains(&[part])));
@@ -128,12 +128,12 @@ impl Folder {
     }
 }
 
-/// The root of the repository.
+/// Root of the repository.
 pub(super) fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The words of a set in text, with the title left out.
+/// Reads the words of a set in text, without the title.
 pub(super) fn words(path: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(path).unwrap();
     text.lines().filter(|line| !line.starts_with("//")).map(str::to_owned).collect()

@@ -1,4 +1,4 @@
-//! The description of the format, and what the program writes into it.
+//! Description of the format, and the tables that the program writes into it.
 
 use fixed::types::I2F30;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
@@ -9,7 +9,7 @@ use roughxel_vectors::{Direction, Layout, export, in_page, tables};
 use super::fixture::{Folder, repository, words};
 use super::vectors::info;
 
-/// The committed description.
+/// Reads the committed description.
 fn page() -> String {
     std::fs::read_to_string(repository().join("vectors/FORMAT.md")).unwrap()
 }
@@ -34,7 +34,7 @@ fn the_vector_worked_by_hand_in_the_format_description_is_what_the_program_write
     export(&info("example", "standard"), &[fragment], directory.path()).unwrap();
     let word = words(&directory.join("example_standard.hex")).swap_remove(0);
     let format = page();
-    // The page breaks the word after each group of fields.
+    // The page breaks the word into lines after each group of fields.
     let page: String =
         format.split_once("```text\n").unwrap().1.split_once("```").unwrap().0.split_whitespace().collect();
     assert_eq!(page, word);
@@ -43,7 +43,7 @@ fn the_vector_worked_by_hand_in_the_format_description_is_what_the_program_write
 #[test]
 fn the_format_description_has_the_tables_that_the_declarations_make() {
     let page = page();
-    // No assert_eq: it would print the page.
+    // `assert_eq` would print the page.
     let is_right = in_page(&page).is_ok_and(|again| again == page);
     assert!(is_right, "run `roughxel vectors format --write vectors/FORMAT.md`");
 }
@@ -67,7 +67,7 @@ fn the_format_command_prints_the_tables_or_puts_them_into_a_page() {
     }
 }
 
-/// The fields that the tables have for a datapath, in their order.
+/// Lists the fields of a datapath in the order of the tables.
 fn in_tables(datapath: Datapath) -> Vec<String> {
     let tables = tables();
     let table = tables.split_once(&format!("`{}`", datapath.name())).unwrap().1;

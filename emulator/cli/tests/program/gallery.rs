@@ -1,4 +1,4 @@
-//! `roughxel gallery`: what it leaves in its directory, and how it fails.
+//! `roughxel gallery`: files in its directory, and failures.
 
 use std::fs;
 use std::path::Path;
@@ -15,12 +15,12 @@ fn gallery(directory: &Path, arguments: &[&str]) -> Run {
     roughxel(&[&["gallery", "-o", directory.to_str().unwrap()], arguments].concat())
 }
 
-/// One small scene, and what is said about it.
+/// Draws one small scene and reads the figures.
 fn small(directory: &Path) -> Value {
     gallery(directory, &["--scene", "lake", "--size", "32x24", "--samples", "16", "--threads", "1", "--json"]).json()
 }
 
-/// Opening and closing tags match, attributes are quoted, and text has no bare `<`; gives every tag.
+/// Asserts that tags match, attributes are quoted and text has no bare `<`. Returns every tag.
 fn tags(page: &str) -> Vec<&str> {
     let (mut open, mut all, mut rest) = (Vec::new(), Vec::new(), page);
     while let Some(start) = rest.find('<') {
@@ -89,7 +89,7 @@ fn a_gallery_has_every_picture_a_whole_page_and_figures() {
     assert!(plan.starts_with("water\n") && plan.contains("  + bump: `height_map`"), "{plan}");
     for column in scene["columns"].as_array().unwrap() {
         assert!(column["time_s"].as_f64().unwrap() > 0.0 && column["ratio_to_unfiltered"].as_f64().unwrap() > 0.0);
-        // A reference of 16 samples cannot judge a column of 16: their grids are one.
+        // A reference of 16 samples cannot judge a column of 16, because the sample grids are the same.
         let is_like_reference = column["column"] == "16 samples";
         assert_eq!(
             (column["psnr_db"].is_null(), column["ssim"].is_null()),
@@ -123,14 +123,14 @@ fn a_reference_is_kept_and_a_damaged_one_drawn_again() {
     assert_eq!(columns(&first), columns(&repaired));
 }
 
-/// What a scene is compared with, beside the columns that every scene has; the unfiltered picture where there is nothing else.
+/// Finds the columns that a scene is compared with, other than those of every scene. The fallback is the unfiltered picture.
 fn compared(scene: &DrawnScene) -> Vec<&DrawnColumn> {
     let of_all = [table::UNFILTERED, table::FILTERED, table::SAMPLES_16].map(|column| column.label);
     let own: Vec<_> = scene.columns.iter().filter(|drawn| !of_all.contains(&drawn.column.label)).collect();
     if own.is_empty() { scene.column(table::UNFILTERED.label).into_iter().collect() } else { own }
 }
 
-/// A root mean square error of 1 % of white, in linear light: less shows neither side by side nor in the difference, which is
+/// Root mean square error of 1 % of white, in linear light. Less shows neither side by side nor in the difference, which is
 /// enlarged 4 times.
 const VISIBLE_DB: f64 = 40.0;
 
@@ -148,7 +148,7 @@ fn every_scene_can_be_told_from_what_it_is_compared_with() {
             let squares: f64 = errors.map(|(a, b)| f64::from(a - b).powi(2)).sum();
             -10.0 * (squares / (3 * filtered.len()) as f64).log10()
         };
-        // The clearest one: that systems 2 and 3 of `globe` differ at the poles alone is what they are for.
+        // The clearest difference counts. Systems 2 and 3 of `globe` differ at the poles only, by design.
         let clearest = compared(&drawn).into_iter().map(psnr).fold(f64::INFINITY, f64::min);
         assert!(
             clearest <= VISIBLE_DB,

@@ -1,4 +1,4 @@
-//! The program as its users see it, and the files it writes.
+//! The program as its users see it, and the files that it writes.
 
 mod choose;
 mod cli;
@@ -10,9 +10,9 @@ mod explain;
 mod fixture;
 mod format;
 mod gallery;
-mod grade;
-mod judge;
-mod minimise;
+mod coverage;
+mod check;
+mod shrink;
 mod peaks;
 mod profile;
 mod records;

@@ -1,4 +1,4 @@
-//! Peaks from the command line: scenes that have none, maps of odd sizes, and what is kept in the cache.
+//! Peaks from the command line: scenes without peaks, maps of odd sizes, and the cache.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,16 +11,16 @@ use super::fixture::{Run, program};
 
 const CAMERA: &str = "camera = { eye = [0, 1, 2], target = [0, 0, 0] }\n";
 const LIGHT: &str = "[[light]]\ndirection = [0, 1, 0]\n";
-/// A map that takes fits.
+/// A map that needs fits.
 const DENIM: &str = "height_map = { generate = \"denim\", size = 16, threads = 4 }\npeaks = { shadowing = true }";
 
-/// `roughxel` with a home of its own.
+/// Runs `roughxel` with its own home directory.
 fn roughxel(home: &Path, arguments: &[&str]) -> Run {
     let mut command = program(arguments);
     Run::of(command.env("HOME", home).env_remove("XDG_CACHE_HOME").env_remove("LOCALAPPDATA"))
 }
 
-/// Writes a scene of one plane of this material.
+/// Writes a scene with one plane of a material.
 fn scene(directory: &Path, lights: &str, material: &str) -> PathBuf {
     let path = directory.join("scene.toml");
     let text = format!("{CAMERA}{lights}[[object]]\nshape = \"plane\"\n[object.material]\n{material}\n");
@@ -28,7 +28,7 @@ fn scene(directory: &Path, lights: &str, material: &str) -> PathBuf {
     path
 }
 
-/// Draws a scene into a small picture.
+/// Draws a scene as a small picture.
 fn render(directory: &Path, scene: &Path, more: &[&str]) -> Run {
     let picture = directory.join("picture.png");
     let [scene, picture] = [scene, &picture].map(|path| path.to_str().unwrap());
@@ -36,13 +36,13 @@ fn render(directory: &Path, scene: &Path, more: &[&str]) -> Run {
     roughxel(directory, &arguments)
 }
 
-/// What is said about a picture, and the warnings.
+/// Draws a scene and returns the figures and the warnings.
 fn drawn(directory: &Path, scene: &Path, more: &[&str]) -> (serde_json::Value, String) {
     let Run { out, err, .. } = render(directory, scene, more).ends(0);
     (serde_json::from_str(&out).unwrap(), err)
 }
 
-/// Writes a grey PNG of 8 bits.
+/// Writes an 8-bit grey PNG.
 fn grey(path: &Path, width: u32, height: u32, value: impl Fn(u32) -> u8) {
     let mut encoder = png::Encoder::new(fs::File::create(path).unwrap(), width, height);
     encoder.set_color(png::ColorType::Grayscale);
@@ -123,7 +123,7 @@ fn a_map_of_one_texel_or_one_column_is_drawn_and_has_a_level_horizon() {
     }
 }
 
-/// The files below a directory.
+/// Lists the files below a directory.
 fn kept(directory: &Path) -> Vec<PathBuf> {
     fs::read_dir(directory).unwrap().map(|file| file.unwrap().path()).collect()
 }
@@ -151,7 +151,7 @@ fn peaks_are_built_once_and_a_torn_or_foreign_file_is_replaced() {
         assert!(fs::read(file).unwrap() == good, "{} bytes were not replaced", bad.len());
     }
     assert_eq!(run().1, [0, 1]);
-    // What cannot be replaced costs a warning only.
+    // A cache file that cannot be replaced is a warning only.
     fs::remove_file(file).unwrap();
     fs::create_dir(file).unwrap();
     let (again, counts, warnings) = run();
@@ -164,13 +164,13 @@ fn peaks_are_built_once_and_a_torn_or_foreign_file_is_replaced() {
 fn what_is_killed_goes_on_where_it_was_to_the_same_bytes() {
     let directory = tempfile::tempdir().unwrap();
     let home = directory.path();
-    // Without shadowing: clusters would be there before anybody can look.
+    // Without shadowing, because clusters would be written too early to be seen.
     let map = "height_map = { generate = \"bumps\", size = 96, cells = 12 }\npeaks = {}";
     let path = scene(home, LIGHT, map);
     let [whole, cache] = ["whole", "killed"].map(|name| home.join(name));
     let place = |cache: &Path| cache.to_str().unwrap().to_owned();
     let (wanted, _) = drawn(home, &path, &["--cache", &place(&whole)]);
-    // Killed as soon as the first part is there; the others take their time, of one thread on any machine.
+    // The run is killed once the first part exists. The other parts take longer, with one thread on any machine.
     let [scene, picture] = [&path, &home.join("never.png")].map(|path| place(path));
     let size = ["--size", "16x12", "--threads", "1", "--cache", &place(&cache)];
     let mut command = program(&[&["render", &scene, "-o", &picture], &size[..]].concat());
@@ -189,7 +189,7 @@ fn what_is_killed_goes_on_where_it_was_to_the_same_bytes() {
     assert!(!home.join("never.png").exists());
     let count = parts().count();
     assert!(count > 0 && kept(&cache).iter().all(|path| path.is_dir()), "the pyramid itself is not kept yet");
-    // A part that was damaged is told of by its name; what became of the others is found.
+    // A damaged part is named. The other parts are found.
     let torn = parts().next().unwrap();
     fs::write(&torn, "torn").unwrap();
     let (figures, warnings) = drawn(home, &path, &["--cache", &place(&cache)]);
@@ -226,7 +226,7 @@ fn peaks_too_bright_for_their_storage_are_one_warning() {
     };
     assert_eq!((bumps(0.2, 15.0), bumps(3.0, 1.0)), (String::new(), String::new()));
     let warnings = bumps(3.0, 15.0);
-    assert!(warnings.contains("peaks have an amplitude of 64 or more and were cut"), "{warnings}");
+    assert!(warnings.contains("peaks have an amplitude of 64 or more and were clamped"), "{warnings}");
     assert_eq!(warnings.lines().count(), 1);
 }
 

@@ -1,4 +1,4 @@
-//! Profile files: what they say, what is wrong in them, and that every command carries them through.
+//! Profile files: keys, faults, and their use by every command.
 
 use std::fs;
 use std::path::Path;
@@ -21,7 +21,7 @@ fn json(arguments: &[&str]) -> serde_json::Value {
     roughxel(arguments).json()
 }
 
-/// A file with the knobs of a precision and the name `mine`.
+/// Writes a profile file with the knobs of a precision and the name `mine`.
 fn file(directory: &Path, precision: Precision) -> String {
     let path = directory.join("a profile.toml");
     write_profile(&path, &NamedPrecision::new("mine", precision).unwrap(), &[]).unwrap();
@@ -37,7 +37,7 @@ const MINE: Precision = Precision {
     ..Precision::COMPACT
 };
 
-/// What is wrong with a text, from the line on.
+/// Reads what is wrong with a text, from the line number on.
 fn fault(text: &str) -> String {
     parse_profile("x.toml", text).expect_err(text).to_string()
 }
@@ -119,14 +119,14 @@ fn bad_files_name_line_column_and_remedy() {
         ("name = \"../etc\"", "x.toml:1:8: `../etc` is not a profile name"),
         ("name = \"\"", "choose 1 to 40 lower-case letters, digits and underscores"),
         ("name = \"standard\"\nlod_bits = 7", "x.toml:1:8: profile `standard` has other knobs"),
-        // The first fault of a text, not of a table.
+        // The first fault is that of the text, not of the table.
         ("weight_bits = 1\nfraction_bits = 1", "x.toml:1:15: `weight_bits`"),
     ] {
         assert!(fault(text).contains(expected), "{text}: {}", fault(text));
     }
     let text = profile_text(&NamedPrecision::new("mine", MINE).unwrap(), &[]);
     for end in (0..text.len()).filter(|&end| text.is_char_boundary(end)) {
-        // An error or a profile, never a panic.
+        // The result is an error or a profile, never a panic.
         let _ = parse_profile("cut.toml", &text[..end]);
     }
 }

@@ -1,4 +1,4 @@
-//! Golden vectors as records of bytes: the same words as in text.
+//! Golden vectors as byte records: the same words as in text.
 
 use std::fs;
 use std::path::Path;
@@ -12,10 +12,10 @@ use roughxel_vectors::{
 use super::fixture::{Folder, words};
 use super::vectors::info;
 
-/// Vectors of [`both_forms`]: two whole groups of words that are put together at once, and a part of one.
+/// Vectors of [`both_forms`]: two whole groups of words that are assembled at once, and a part of a group.
 const BOTH_FORMS: u64 = 140;
 
-/// Both forms of the same vectors, with taps or without, in directories of their own.
+/// Exports the same vectors in two forms, with or without taps, in separate directories.
 fn both_forms(datapath: Datapath, profile: &str, taps: bool) -> [(Folder, Manifest); 2] {
     [Form::Hex, Form::Bin].map(|form| {
         let directory = Folder::new();
@@ -26,7 +26,7 @@ fn both_forms(datapath: Datapath, profile: &str, taps: bool) -> [(Folder, Manife
     })
 }
 
-/// Records are written in pieces of 16 bytes, the last one first: here a piece is longer than a record.
+/// Records are written in pieces of 16 bytes, the last piece first. Here a piece is longer than a record.
 #[test]
 fn records_shorter_than_a_piece_are_the_digits_of_the_words() {
     let directory = Folder::new();
@@ -64,13 +64,13 @@ fn records_are_the_digits_of_the_words_and_verify() {
     assert!(odd > 0 && taps_left_out > 0, "words of an odd number of digits: {odd}");
 }
 
-/// Words in an even number of digits.
+/// Pads words to an even number of digits.
 fn padded_words(path: &Path) -> Vec<String> {
     let padded = |digits: String| if digits.len() % 2 == 1 { format!("0{digits}") } else { digits };
     words(path).iter().map(|line| padded(line.replace('_', ""))).collect()
 }
 
-/// The digits of the bytes of a file.
+/// Reads a file as hex digits.
 fn digits(path: &Path) -> String {
     fs::read(path).unwrap().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,4 +1,4 @@
-//! Exports in parts and exports that were killed: what comes out is what an undisturbed export of the whole writes, to the byte.
+//! Exports in parts and killed exports: the result equals that of an undisturbed whole export, to the byte.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,7 +13,7 @@ use roughxel_vectors::{Form, SetExport, SetInfo, Shard, Words, random_set, verif
 
 use super::fixture::{Folder, Run};
 
-/// The files of a directory with what is in them.
+/// Reads the files of a directory.
 fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(directory).unwrap().map(|entry| entry.unwrap());
     entries.map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap())).collect()
@@ -31,14 +31,14 @@ fn merged_parts_are_the_whole_export_to_the_byte() {
         assert_eq!(whole.len(), 6);
         for &of in if number == 1 { &[1, 2, 7, 64][..] } else { &[7] } {
             let parts = format!("parts{number}_{of}");
-            // The last one first.
+            // The last part comes first.
             for part in (1..=of).rev() {
                 at.done(&format!("{export} -o {parts} --shard {part}/{of}"));
             }
             at.done(&format!("vectors merge {parts} -o merged{number}_{of}"));
-            // No assert_eq: it would print the files.
+            // `assert_eq` would print the files.
             assert!(files(&at.join(&format!("merged{number}_{of}"))) == whole, "{options} {of}");
-            // Beside its parts it is the same, and parts beside a whole set are still found.
+            // Next to its parts, the whole set is the same. Parts next to a whole set are found.
             at.done(&format!("vectors merge {parts} -o {parts}"));
             at.done(&format!("vectors merge {parts} -o {parts}"));
             assert!(whole.iter().all(|(name, bytes)| fs::read(at.join(&parts).join(name)).unwrap() == *bytes));
@@ -50,7 +50,7 @@ fn merged_parts_are_the_whole_export_to_the_byte() {
 #[test]
 fn parts_of_a_stage_are_merged_and_kept_as_those_of_a_datapath() {
     let at = Folder::new();
-    // Two runs of a module, and a module with one.
+    // One module runs twice, the other once.
     let export = "vectors export random frame_zero --count 31 --stage columns --profile narrow";
     at.done(&format!("{export} -o whole"));
     let whole = files(&at.join("whole"));
@@ -67,9 +67,9 @@ fn parts_of_a_stage_are_merged_and_kept_as_those_of_a_datapath() {
     let note = format!("note: {} of {sets} sets were there, whole and the same, and are kept", sets - 1);
     at.done(&format!("{export} --resume -o whole")).complains(&[&note]);
     assert!(files(&at.join("whole")) == whole);
-    // A grade is no other set, and no part has one.
+    // Coverage in the manifest does not make a different set, and parts have none.
     at.done(
-        "vectors report whole/random_columns_pixel_narrow.json parts/random_columns_pixel_narrow.2of3.json --write",
+        "vectors coverage whole/random_columns_pixel_narrow.json parts/random_columns_pixel_narrow.2of3.json --write",
     );
     let note = format!("note: {sets} of {sets} sets were there");
     at.done(&format!("{export} --resume -o whole")).complains(&[&note]);
@@ -81,7 +81,7 @@ fn parts_of_a_stage_are_merged_and_kept_as_those_of_a_datapath() {
 #[test]
 fn an_export_is_the_same_with_any_number_of_threads() {
     let at = Folder::new();
-    // More than a batch.
+    // The count is more than a batch.
     let export = "vectors export random random_peak --count 20000";
     at.done(&format!("{export} -o whole"));
     let whole = files(&at.join("whole"));
@@ -131,7 +131,7 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     for part in 1..=3 {
         export(&format!("--shard {part}/3"), "parts");
     }
-    // A part that is missing, that is there twice, that is named twice.
+    // A part is missing, is present twice, or is named twice.
     let of_two = "parts/random_standard.1of3.json parts/random_standard.3of3.hex";
     at.run(&format!("vectors merge {of_two} -o merged"))
         .ends(1)
@@ -143,7 +143,7 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     at.done("vectors merge parts parts/random_standard.2of3.json -o merged");
     fs::remove_dir_all(at.join("merged")).unwrap();
 
-    // One of another export.
+    // A part of a different export.
     for (options, key) in [
         ("--shard 2/3 --seed 1", "seed"),
         ("--shard 2/4", "part.of"),
@@ -175,7 +175,7 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     }
     at.write(json, text);
 
-    // Words that are not those of their manifest: another result, a word too few, no word at all.
+    // Words differ from their manifest: a different result, a word too few, no word at all.
     let hex = "parts/random_standard.2of3.hex";
     let words = at.read(hex);
     let without: String =
@@ -194,7 +194,7 @@ fn parts_that_do_not_belong_together_are_refused_by_name() {
     at.run("vectors merge . -o merged").ends(1).complains(&["no vector set here"]);
     at.done("vectors export random --count 3 -o whole");
     at.run("vectors merge whole -o merged").ends(1).complains(&["whole: no part of a set here"]);
-    // Nothing half-written.
+    // No half-written file stays.
     assert!(!at.join("merged").exists() || files(&at.join("merged")).is_empty());
     for shard in ["0/3", "4/3", "1/0", "1", "+1/3", "1/9999999999", "-1/3"] {
         at.run(&format!("vectors export random --shard={shard} -o none")).ends(2);
@@ -249,7 +249,7 @@ fn an_export_that_is_killed_leaves_nothing_wrong_and_can_be_run_again() {
     let whole = files(&at.join("whole"));
     let mut killed = 0;
     for turn in 0..6_u32 {
-        // Every other time there are older sets.
+        // Every second round has older sets.
         if turn % 2 == 0 {
             let _ = fs::remove_dir_all(at.join("sets"));
         } else {
@@ -260,7 +260,7 @@ fn an_export_that_is_killed_leaves_nothing_wrong_and_can_be_run_again() {
         child.kill().unwrap();
         killed += u32::from(!child.wait().unwrap().success());
 
-        // What has a manifest is whole, and stands beside the words of its manifest.
+        // A set with a manifest is whole and has the words of its manifest.
         let sets = if at.join("sets").exists() { files(&at.join("sets")) } else { BTreeMap::new() };
         for name in sets.keys().filter(|name| name.ends_with(".json")) {
             let found = verify(&at.join("sets").join(name), &|_| {}).unwrap();

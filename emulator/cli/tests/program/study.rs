@@ -1,4 +1,5 @@
-//! `roughxel study` and `roughxel choose`: what is interrupted goes on, what is kept is what docs/performance.md says, what is chosen is right.
+//! `roughxel study` and `roughxel choose`: an interrupted study continues, the kept study is that of docs/performance.md, and the chosen profile is
+//! right.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -17,7 +18,7 @@ use roughxel_study::sweep::{self, Parts, Settings, Study};
 
 use super::fixture::repository;
 
-/// A study of a second.
+/// Settings of a study that takes a second.
 fn tiny() -> Settings {
     let rounds = Rounds { count: 1, least_ms: 0 };
     Settings {
@@ -33,7 +34,7 @@ fn tiny() -> Settings {
     }
 }
 
-/// Runs it over three points; how many units were measured and not kept from before, too.
+/// Runs the study over three points. Also returns the number of units that were measured rather than kept.
 fn run(settings: &Settings, parts: &Parts) -> (Study, usize) {
     let points: Vec<_> = sweep::settings().into_iter().step_by(30).collect();
     let begun = AtomicUsize::new(0);
@@ -45,7 +46,7 @@ fn run(settings: &Settings, parts: &Parts) -> (Study, usize) {
     (study.unwrap(), begun.into_inner())
 }
 
-/// What does not depend on the machine.
+/// Extracts the results that do not depend on the machine.
 fn exact(study: &Study) -> String {
     let of_points = study.points.iter().map(|point| {
         format!("{:?} {:?} {:?} {:?} {:?}", point.stages, point.wrong, point.frames, point.hardware, point.soft_core)
@@ -68,7 +69,7 @@ fn an_interrupted_study_goes_on_and_finds_the_same() {
     let (again, begun) = run(&settings, &Parts::open(directory.path(), &settings).unwrap());
     assert_eq!((&again, begun), (&whole, 0));
 
-    // Broken off in the middle of a line.
+    // The file ends in the middle of a line.
     let text = fs::read_to_string(&file).unwrap();
     fs::write(&file, &text[..text.len() / 2]).unwrap();
     let parts = Parts::open(directory.path(), &settings).unwrap();
@@ -79,7 +80,7 @@ fn an_interrupted_study_goes_on_and_finds_the_same() {
     assert_eq!(exact(&rest), exact(&whole));
     assert_eq!(Parts::open(directory.path(), &settings).unwrap().count(), units, "every line is whole again");
 
-    // Parts of another study are none of this one.
+    // Parts of a different study are not used.
     let other = Settings { members: 2, ..settings };
     assert_eq!(Parts::open(directory.path(), &other).unwrap().count(), 0);
     parts.remove().unwrap();
@@ -107,14 +108,14 @@ fn what_is_no_study_is_refused_with_its_reason() {
     assert!(problem(&directory.path().join("none.json")).contains("cannot read"));
     #[cfg(unix)]
     {
-        // To open one would wait for ever.
+        // Opening one would wait for ever.
         let pipe = directory.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         assert!(problem(&pipe).ends_with("it is no regular file but a pipe or a device"));
     }
 }
 
-/// The study that docs/performance.md shows.
+/// Reads the study that docs/performance.md shows.
 fn kept() -> Study {
     Study::read(&repository().join("emulator/study/results/study.json")).unwrap()
 }
@@ -146,7 +147,7 @@ fn every_knob_shows_in_a_scene() {
     }
 }
 
-/// Costs as they were first measured: on the host no two are alike.
+/// Keeps the first measured costs, because on the host no two measurements are alike.
 struct Remembered<'a>(FrameMeter<'a>, RefCell<HashMap<String, Option<f64>>>);
 
 impl Remembered<'_> {

@@ -1,4 +1,4 @@
-//! Golden vectors: what is written verifies, and whatever is changed is found.
+//! Golden vectors: written sets verify, and every change is found.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ pub(super) fn info<'a>(name: &'a str, profile: &'a str) -> SetInfo<'a> {
 const HEX: &str = "random_standard.hex";
 const JSON: &str = "random_standard.json";
 
-/// A set of `count` random vectors under `standard` in a directory of its own.
+/// A set of `count` random vectors under `standard` in its own directory.
 struct Set {
     directory: Folder,
     manifest: Manifest,
@@ -58,7 +58,7 @@ impl Set {
         self.manifest.fields.iter().find(|field| field.name == name).unwrap()
     }
 
-    /// What is wrong with the set.
+    /// Verifies the set and returns the problem.
     fn problem(&self) -> String {
         self.verify().unwrap_err().to_string()
     }
@@ -74,7 +74,7 @@ impl Set {
     }
 }
 
-/// A word as FORMAT.md describes it, read without the program's help: digits and the lengths of the fields.
+/// A word as FORMAT.md describes it, read independently of the program: digits and field lengths.
 #[derive(Clone)]
 struct Word {
     digits: Vec<u8>,
@@ -99,7 +99,7 @@ impl Word {
         self.digits[at] ^= 1 << (place % 4);
     }
 
-    /// CRC-32 of all but the last eight digits, bit by bit.
+    /// Computes the CRC-32 of all but the last eight digits, bit by bit.
     fn crc(&self) -> u32 {
         let data = &self.digits[..self.digits.len() - 8];
         let bits = data.iter().flat_map(|digit| (0..4).rev().map(move |bit| u32::from(digit >> bit & 1)));
@@ -132,11 +132,11 @@ fn every_set_verifies_under_every_profile() {
 
 #[test]
 fn a_flipped_bit_in_any_field_is_reported_with_set_index_stage_and_field() {
-    // As many at a time as are described.
+    // One run changes as many vectors as `verify` describes.
     const TOGETHER: usize = 10;
     for set in Datapath::ALL.map(|datapath| Set::of(datapath, TOGETHER as u64 + 2)) {
         let words = set.words();
-        // Every bit of the field's digits, those above its width included.
+        // Every bit of the field's digits is flipped, bits above its width included.
         let bits = |field: &Field| 0..field.width.next_multiple_of(4);
         let fields = &set.manifest.fields;
         let places: Vec<(&Field, u32)> =

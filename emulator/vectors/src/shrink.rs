@@ -28,8 +28,8 @@ const DEPTH: u32 = 16;
 
 /// Reason why a vector cannot be minimised.
 #[derive(Debug, Error)]
-pub enum MinimiseError {
-    /// The set or that of the testbench cannot be read, or the result cannot be written.
+pub enum ShrinkError {
+    /// The set or that of the bench cannot be read, or the result not written.
     #[error(transparent)]
     Set(#[from] VectorError),
     /// The word of the set does not follow from its inputs, so it says nothing about a device.
@@ -82,8 +82,8 @@ pub enum MinimiseError {
 
 /// Options of a run of the testbench.
 #[derive(Clone, Debug)]
-pub struct MinimiseOptions {
-    /// Name of the tool for `run.sh`.
+pub struct ShrinkOptions {
+    /// What `run.sh` calls the tool.
     pub tool: String,
     /// True to compare only the outputs of the datapath, for a device that does not show its stages.
     pub outputs_only: bool,
@@ -93,7 +93,7 @@ pub struct MinimiseOptions {
 
 /// The simplest vector that was found.
 #[derive(Clone, Debug)]
-pub struct Minimised {
+pub struct Shrunk {
     /// Its set.
     set: String,
     description: String,
@@ -111,7 +111,7 @@ pub struct Minimised {
     pub is_minimal: bool,
 }
 
-impl Minimised {
+impl Shrunk {
     /// Writes it as a set of one vector, `SET_min_PROFILE`, into `directory`; returns the path of its manifest.
     ///
     /// Errors: see [`VectorError`].
@@ -127,22 +127,22 @@ impl Minimised {
 /// with the same fields. The testbench runs in a copy below `directory/build`, which is removed afterwards. `progress` gets the
 /// number of runs.
 ///
-/// `None` if the device is right for the vector. Errors: see [`MinimiseError`].
-pub fn minimise(
+/// `None` where the device gets the vector right. Errors: see [`ShrinkError`].
+pub fn shrink(
     manifest_path: &Path,
     index: u64,
     directory: &Path,
-    options: &MinimiseOptions,
+    options: &ShrinkOptions,
     progress: &dyn Fn(u32),
-) -> Result<Option<Minimised>, MinimiseError> {
+) -> Result<Option<Shrunk>, ShrinkError> {
     let vector = Vector::read(manifest_path, index)?;
     if let Some(mismatch) = vector.mismatch() {
-        return Err(MinimiseError::Damaged(mismatch.to_string()));
+        return Err(ShrinkError::Damaged(mismatch.to_string()));
     }
     let manifest = vector.manifest();
     if manifest.stage.is_some() {
         let problem =
-            "a set of one stage; minimise a vector of its datapath, whose bench takes the stage's module in `rtl`";
+            "a set of one stage; shrink a vector of its datapath, whose bench takes the stage's module in `rtl`";
         return Err(VectorError::Manifest { path: manifest_path.into(), problem: problem.into() }.into());
     }
     let of_bench = Manifest::read(&directory.join("set.json"))?;
@@ -151,7 +151,7 @@ pub fn minimise(
         || of_bench.stage.is_some()
     {
         let (directory, bench, set) = (directory.into(), of_bench.stem(), manifest.stem());
-        return Err(MinimiseError::OtherSet { directory, bench, set });
+        return Err(ShrinkError::OtherSet { directory, bench, set });
     }
     let shape = Shape::new(vector.layout());
     let original = shape.integers(vector.bits());
@@ -210,7 +210,7 @@ pub fn minimise(
         let digits = |integer: i64| format!("{:0digits$x}", bits_of(field, integer), digits = field.digits() as usize);
         [field.name.clone(), digits(*was), digits(*is)]
     });
-    Ok(Some(Minimised {
+    Ok(Some(Shrunk {
         set: format!("{}_min", manifest.set),
         description: format!(
             "vector #{index} of {} as simple as it still goes wrong in stage {stage} of a device",
@@ -241,7 +241,7 @@ struct Runner<'a> {
     shape: Shape<'a>,
     directory: &'a Path,
     copy: PathBuf,
-    options: &'a MinimiseOptions,
+    options: &'a ShrinkOptions,
     progress: &'a dyn Fn(u32),
     runs: u32,
 }
@@ -258,10 +258,10 @@ impl<'a> Runner<'a> {
         of_bench: Manifest,
         layout: &'a Layout,
         directory: &'a Path,
-        options: &'a MinimiseOptions,
+        options: &'a ShrinkOptions,
         progress: &'a dyn Fn(u32),
-    ) -> Result<Self, MinimiseError> {
-        let copy = directory.join(format!("build/minimise-{}", std::process::id()));
+    ) -> Result<Self, ShrinkError> {
+        let copy = directory.join(format!("build/shrink-{}", std::process::id()));
         let runner = Self { of_bench, shape: Shape::new(layout), directory, copy, options, progress, runs: 0 };
         copy_folder(directory, &runner.copy, DEPTH)?;
         Ok(runner)
@@ -271,8 +271,8 @@ impl<'a> Runner<'a> {
         self.runs < self.options.runs
     }
 
-    /// Results of the device for at most [`BATCH`] candidates; `None` for those that are right.
-    fn run(&mut self, candidates: &[Vec<i64>]) -> Result<Vec<Option<Wrong>>, MinimiseError> {
+    /// What the device makes of at most [`BATCH`] candidates; `None` of those that it gets right.
+    fn run(&mut self, candidates: &[Vec<i64>]) -> Result<Vec<Option<Wrong>>, ShrinkError> {
         let info = SetInfo { description: "candidates", ..SetInfo::from(&self.of_bench) };
         // A testbench has a fixed number of vectors.
         let input = |index: u64| {
@@ -305,8 +305,8 @@ impl<'a> Runner<'a> {
         Ok(outcomes)
     }
 
-    /// Output of the testbench.
-    fn said(&self, compile: bool) -> Result<String, MinimiseError> {
+    /// What the bench prints.
+    fn said(&self, compile: bool) -> Result<String, ShrinkError> {
         let script = self.copy.join("run.sh");
         let mut command = Command::new("sh");
         command.arg("run.sh").arg(&self.options.tool).args(["--stop", &(BATCH + 1).to_string()]);
@@ -317,13 +317,13 @@ impl<'a> Runner<'a> {
             command.arg("--built");
         }
         let output = command.current_dir(&self.copy).stdin(Stdio::null()).output();
-        let output = output.map_err(|source| MinimiseError::Shell { path: script, source })?;
+        let output = output.map_err(|source| ShrinkError::Shell { path: script, source })?;
         let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
         if matches!(output.status.code(), Some(0 | 3)) {
             return Ok(text);
         }
         let lines: Vec<&str> = text.lines().collect();
-        Err(MinimiseError::Run {
+        Err(ShrinkError::Run {
             directory: self.directory.into(),
             tool: self.options.tool.clone(),
             output: lines[lines.len().saturating_sub(20)..].join("\n"),
@@ -340,11 +340,11 @@ fn difference<'a>(line: &'a str, set: &str) -> Option<(usize, &'a str, &'a str, 
     Some((index.parse().ok()?, stage, field, got.split_whitespace().next()?))
 }
 
-/// Copies a testbench with the contents of its folders, without build results.
-fn copy_folder(from: &Path, to: &Path, depth: u32) -> Result<(), MinimiseError> {
+/// Copies a bench with what lies in its folders, what was built aside.
+fn copy_folder(from: &Path, to: &Path, depth: u32) -> Result<(), ShrinkError> {
     let error = |path: &Path| {
         let path = path.to_path_buf();
-        move |source| MinimiseError::Copy { path, source }
+        move |source| ShrinkError::Copy { path, source }
     };
     fs::create_dir_all(to).map_err(error(to))?;
     for entry in fs::read_dir(from).map_err(error(from))? {

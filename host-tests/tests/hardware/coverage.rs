@@ -1,4 +1,4 @@
-//! Coverage of sets: the counts of `roughxel vectors report`, the coverage of the committed sets, and the vectors that compacting keeps.
+//! How good sets are: what `roughxel vectors coverage` counts, what the committed sets show, and what condensing keeps.
 
 use std::collections::HashSet;
 use std::fs;
@@ -16,13 +16,13 @@ use roughxel_netlist::integers::integers_at;
 use roughxel_netlist::interval::Ranges;
 use roughxel_record as record;
 use roughxel_vectors::{
-    Alarm, Distilled, Grade, Manifest, Mistake, Score, SetInfo, VectorError, VectorSet, Wanted, distil, entries_set,
-    export_with, grade, hard_sets, manifests_in, random_set, verify,
+    Alarm, Condensed, Coverage, CoverageReport, Manifest, Mistake, SetInfo, VectorError, VectorSet, Wanted, condense,
+    coverage, entries_set, export_with, hard_sets, manifests_in, random_set, verify,
 };
 
 /// Faults of a kind in all stages.
-fn operations(grade: &Grade) -> Score {
-    grade.stages.iter().map(|stage| stage.slips).fold(Score::default(), Score::and)
+fn operations(report: &CoverageReport) -> Coverage {
+    report.stages.iter().map(|stage| stage.slips).fold(Coverage::default(), Coverage::and)
 }
 
 /// The committed sets of a profile.
@@ -81,14 +81,14 @@ fn what_a_fault_leads_to_is_what_the_whole_design_computes() {
 fn the_committed_sets_show_nineteen_operations_in_twenty_and_are_below_a_thousand() {
     let all = vec![("standard", 95.0), ("compact", 94.5), ("narrow", 93.5)];
     for (profile, percent) in whole_or(all, vec![("narrow", 93.5)]) {
-        let grades = grade(&smoke(profile), &|_| {}).expect("the committed sets can be read");
+        let reports = coverage(&smoke(profile), &|_| {}).expect("the committed sets can be read");
         for datapath in Datapath::ALL {
-            let of = || grades.iter().filter(|grade| grade.datapath == datapath.name());
-            let vectors: u64 = of().map(|grade| grade.vectors).sum();
+            let of = || reports.iter().filter(|report| report.datapath == datapath.name());
+            let vectors: u64 = of().map(|report| report.vectors).sum();
             assert!(vectors <= 1000, "{profile}, {}: {vectors} vectors", datapath.name());
-            let best = of().map(|grade| operations(grade).percent()).fold(0.0, f64::max);
+            let best = of().map(|report| operations(report).percent()).fold(0.0, f64::max);
             assert!(best >= percent, "{profile}, {}: {best} % of operations", datapath.name());
-            let most = of().max_by_key(|grade| grade.vectors).expect("a grade");
+            let most = of().max_by_key(|report| report.vectors).expect("a report");
             assert!(!most.alarms.iter().any(|alarm| matches!(alarm, Alarm::Constant { .. })), "{:?}", most.alarms);
         }
     }
@@ -120,8 +120,8 @@ fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_an
     let stages = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/smoke/stages");
     let mut stages = manifests_in(&stages).expect("the committed sets");
     stages.retain(|path| datapaths.contains(&Manifest::read(path).expect("a manifest").datapath));
-    let stages = grade(&stages, &|_| {}).expect("sets");
-    for of in grade(&manifests_in(directory.path()).expect("sets"), &|_| {}).expect("sets") {
+    let stages = coverage(&stages, &|_| {}).expect("sets");
+    for of in coverage(&manifests_in(directory.path()).expect("sets"), &|_| {}).expect("sets") {
         for table in &of.tables {
             let (name, entries) = (format!("{} of {}", table.table, of.datapath), table.entries);
             assert_eq!(table.read.found, table.read.all, "{name}");
@@ -132,7 +132,7 @@ fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_an
             // The sets of the modules that read a table detect all of its entries together.
             let readers = stages.iter().filter(|stage| stage.datapath == of.datapath);
             let readers = readers.filter(|stage| stage.tables.iter().any(|reader| reader.table == table.table));
-            let not_shown = |stage: &Grade| -> HashSet<String> {
+            let not_shown = |stage: &CoverageReport| -> HashSet<String> {
                 let unseen = stage.unseen.iter().map(|unseen| &unseen.fault);
                 let of_table = |fault: &&String| fault.starts_with(&format!("table {}:", table.table));
                 unseen.chain(&stage.equal_entries).filter(of_table).cloned().collect()
@@ -145,7 +145,7 @@ fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_an
 }
 
 #[test]
-fn few_distilled_vectors_show_more_than_as_many_others() {
+fn few_condensed_vectors_show_more_than_as_many_others() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let (many, few, others) =
         (directory.path().join("many"), directory.path().join("few"), directory.path().join("others"));
@@ -155,41 +155,42 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
     export_with(&info("others", Datapath::Peak, p, "narrow"), 30, &input, &others, &|_| {}).expect("a set");
     let first = many.join("many_narrow.json");
     let wanted = |most, beside| Wanted { most, beside, mistakes: &Mistake::ALL };
-    let Distilled { picked, inputs, .. } = distil(&first, &[], wanted(30, &[]), &|_| {}).expect("a set");
+    let Condensed { picked, inputs, .. } = condense(&first, &[], wanted(30, &[]), &|_| {}).expect("a set");
     assert_eq!((picked.len(), inputs.len()), (30, 30));
     let input = |index| inputs[index as usize];
     export_with(&info("few", Datapath::Peak, p, "narrow"), 30, &input, &few, &|_| {}).expect("a set");
     assert!(verify(&few.join("few_narrow.json"), &|_| {}).expect("a set").passed());
 
-    let of = |directory: &Path| grade(&manifests_in(directory).expect("a set"), &|_| {}).expect("a set").swap_remove(0);
+    let of =
+        |directory: &Path| coverage(&manifests_in(directory).expect("a set"), &|_| {}).expect("a set").swap_remove(0);
     let [few, others, many] = [few, others, many].map(|directory| of(&directory));
-    let [few, others, many] = [few, others, many].map(|grade| (operations(&grade).found, grade.faults().found));
+    let [few, others, many] = [few, others, many].map(|report| (operations(&report).found, report.faults().found));
     assert!(others.1 < few.1 && few.1 <= many.1, "{others:?} {few:?} {many:?}");
     assert!(others.0 < few.0 && few.0 * 100 >= many.0 * 99, "{others:?} {few:?} {many:?}");
 
     // In addition to the picked vectors, other vectors are needed for entries of tables; in addition to all vectors, none is.
     let beside = [directory.path().join("few/few_narrow.json")];
     let entries = Wanted { mistakes: &[Mistake::Entry], ..wanted(1000, &beside) };
-    let Distilled { picked: more, inputs, .. } = distil(&first, &[], entries, &|_| {}).expect("a set");
+    let Condensed { picked: more, inputs, .. } = condense(&first, &[], entries, &|_| {}).expect("a set");
     assert!(!more.is_empty() && more.iter().all(|vector| !picked.contains(vector)), "{more:?}");
     let (name, input) = (directory.path().join("more"), |index| inputs[index as usize]);
     export_with(&info("more", Datapath::Peak, p, "narrow"), more.len() as u64, &input, &name, &|_| {}).expect("a set");
     let entries = |paths: &[PathBuf]| {
-        let grades = grade(paths, &|_| {}).expect("sets");
-        grades[0].tables.iter().map(|table| table.entries.found).sum::<usize>()
+        let reports = coverage(paths, &|_| {}).expect("sets");
+        reports[0].tables.iter().map(|table| table.entries.found).sum::<usize>()
     };
     assert_eq!(entries(&[beside[0].clone(), name.join("more_narrow.json")]), entries(std::slice::from_ref(&first)));
     // Coverage of earlier vectors, including decisions and limits, is not covered again: each vector is needed after the ones before it.
     let operations = Wanted { mistakes: &[Mistake::Operation], ..wanted(1000, &beside) };
-    let Distilled { picked: more, inputs, .. } = distil(&first, &[], operations, &|_| {}).expect("a set");
+    let Condensed { picked: more, inputs, .. } = condense(&first, &[], operations, &|_| {}).expect("a set");
     let (name, input) = (directory.path(), |index| inputs[index as usize]);
     export_with(&info("needed", Datapath::Peak, p, "narrow"), more.len() as u64, &input, name, &|_| {}).expect("a set");
     let needed = directory.path().join("needed_narrow.json");
-    let Distilled { picked: needed, .. } = distil(&needed, &[], operations, &|_| {}).expect("a set");
+    let Condensed { picked: needed, .. } = condense(&needed, &[], operations, &|_| {}).expect("a set");
     assert!(more.len() > 2 && needed.len() == more.len(), "{} of {}", needed.len(), more.len());
 
     let all = [first.clone()];
-    let Distilled { picked: none, .. } = distil(&first, &[], wanted(1000, &all), &|_| {}).expect("a set");
+    let Condensed { picked: none, .. } = condense(&first, &[], wanted(1000, &all), &|_| {}).expect("a set");
     assert!(none.is_empty(), "{none:?}");
 
     let another = export_with(
@@ -200,13 +201,13 @@ fn few_distilled_vectors_show_more_than_as_many_others() {
         &|_| {},
     );
     another.expect("a set");
-    let of_two = distil(
+    let of_two = condense(
         &directory.path().join("other_narrow.json"),
         &[directory.path().join("many/many_narrow.json")],
         wanted(5, &[]),
         &|_| {},
     );
     assert!(
-        matches!(of_two, Err(VectorError::Manifest { problem, .. }) if problem.contains("distil sets of one kind at a time"))
+        matches!(of_two, Err(VectorError::Manifest { problem, .. }) if problem.contains("condense sets of one kind at a time"))
     );
 }

@@ -1,4 +1,4 @@
-//! Acceptance tiers: devices with different reciprocals and roots, as `roughxel vectors judge` sees them.
+//! Acceptance tiers: devices whose reciprocals and roots are not ours, as `roughxel vectors check` sees them.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,8 +15,8 @@ use roughxel_netlist::rounding::{Roundings, scattered};
 use roughxel_netlist::verilog::{Options, StagePort};
 use roughxel_record as record;
 use roughxel_vectors::{
-    Direction, Failing, Judgement, Manifest, Marked, Marks, SetExport, SetInfo, StageSet, Tier, VectorError, Words,
-    export_with, judge, marks, random_set,
+    Ambiguous, AmbiguousVector, CheckResult, Direction, Failing, Manifest, SetExport, SetInfo, StageSet, Tier,
+    VectorError, Words, ambiguous, check, export_with, random_set,
 };
 use tempfile::TempDir;
 
@@ -113,14 +113,14 @@ impl Bench {
         })
     }
 
-    fn judge(&self, words: &[String], tier: Tier) -> Result<Judgement, VectorError> {
+    fn check(&self, words: &[String], tier: Tier) -> Result<CheckResult, VectorError> {
         let path = self.directory.path().join("got.txt");
         fs::write(&path, words.join("\n") + "\n").expect("words of a device");
-        judge(&path, &self.manifest_path(), tier, &|_| {})
+        check(&path, &self.manifest_path(), tier, &|_| {})
     }
 
-    fn marks(&self, places: u32) -> Marks {
-        marks(&self.manifest_path(), places, &|_| {}).expect("marks")
+    fn ambiguous(&self, places: u32) -> Ambiguous {
+        ambiguous(&self.manifest_path(), places, &|_| {}).expect("ambiguous")
     }
 
     /// The stage of a primitive.
@@ -192,14 +192,14 @@ fn a_device_with_neighbours_is_faithful_and_not_exact() {
         for profile in [Profile::Standard, Profile::Narrow] {
             let bench = Bench::new(datapath, effects, profile, true, whole_or(1000, 60));
             let count = bench.manifest.count;
-            let ours = bench.judge(&bench.with_primitives(|_, _| 0), Tier::Exact).expect("judged");
+            let ours = bench.check(&bench.with_primitives(|_, _| 0), Tier::Exact).expect("checked");
             assert_eq!((ours.exact, ours.failures.len()), (count, 0), "{datapath:?} {profile:?}");
             for (what, places) in [("up", (|_, _| 1) as fn(usize, usize) -> i64), ("down", |_, _| -1), ("any", choice)]
             {
-                let judged = bench.judge(&bench.with_primitives(places), Tier::Faithful).expect("judged");
-                println!("{datapath:?} {:?} {profile:?} {what}: {} exact of {count}", effects.footprint, judged.exact);
-                assert_eq!(judged.passing, count, "{datapath:?} {profile:?} {what}: {:#?}", judged.failures);
-                assert!(judged.exact < count / 2, "{datapath:?} {profile:?} {what}: {} exact", judged.exact);
+                let checked = bench.check(&bench.with_primitives(places), Tier::Faithful).expect("checked");
+                println!("{datapath:?} {:?} {profile:?} {what}: {} exact of {count}", effects.footprint, checked.exact);
+                assert_eq!(checked.passing, count, "{datapath:?} {profile:?} {what}: {:#?}", checked.failures);
+                assert!(checked.exact < count / 2, "{datapath:?} {profile:?} {what}: {} exact", checked.exact);
             }
         }
     }
@@ -211,34 +211,34 @@ fn a_root_two_last_places_off_is_not_faithful_and_its_stage_is_named() {
         Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, whole_or(1000, 60));
     for (number, primitive) in bench.primitives.iter().enumerate() {
         let words = bench.with_primitives(|_, of| if of == number { 2 } else { 0 });
-        let judged = bench.judge(&words, Tier::Faithful).expect("judged");
-        // The last bits of a quotient of `cube_face` are visible in the columns, which also read it.
+        let checked = bench.check(&words, Tier::Faithful).expect("checked");
+        // The last bits of a quotient of `cube_face` show in the columns, which read it, too.
         let stages: &[&str] = match bench.stage(primitive) {
             "cube_face" => &["cube_face", "columns"],
             "axes" => &["axes", "probes"],
             stage => &[stage],
         };
-        for Failing { stage, field, .. } in &judged.failures {
+        for Failing { stage, field, .. } in &checked.failures {
             assert!(stages.contains(&stage.as_str()), "{stage} {field} instead of {stages:?}");
         }
-        // For a pole or a circle a root is multiplied by zero, and some results are the same with a different choice.
-        let most = if stages[0] == "axes" { judged.count } else { judged.count / 2 };
-        assert!(judged.passing <= most, "{stages:?}: {} of {}", judged.passing, judged.count);
-        println!("{stages:?}: {} of {}", judged.passing, judged.count);
+        // Where the vector is a pole or a circle a root is multiplied by zero, and some results are the same with another choice.
+        let most = if stages[0] == "axes" { checked.count } else { checked.count / 2 };
+        assert!(checked.passing <= most, "{stages:?}: {} of {}", checked.passing, checked.count);
+        println!("{stages:?}: {} of {}", checked.passing, checked.count);
     }
 }
 
 #[test]
-fn without_taps_few_choices_are_judged_and_many_are_refused() {
+fn without_taps_few_choices_are_checked_and_many_are_refused() {
     for datapath in Datapath::ALL {
         let bench = Bench::new(datapath, effects(FootprintKind::Face), Profile::Standard, false, 20);
-        let error = bench.judge(&bench.with_primitives(choice), Tier::Faithful).expect_err("too many").to_string();
-        assert!(error.contains(" there are more than 729 choices of neighbours; judge it by a set with"), "{error}");
+        let error = bench.check(&bench.with_primitives(choice), Tier::Faithful).expect_err("too many").to_string();
+        assert!(error.contains(" there are more than 729 choices of neighbours; check it with a set with"), "{error}");
     }
     // Two of `frame` and one of the face.
     let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::None), Profile::Standard, false, 20);
-    let judged = bench.judge(&bench.with_primitives(choice), Tier::Faithful).expect("judged");
-    assert!(judged.passing == 20 && judged.exact < 10, "{judged:?}");
+    let checked = bench.check(&bench.with_primitives(choice), Tier::Faithful).expect("checked");
+    assert!(checked.passing == 20 && checked.exact < 10, "{checked:?}");
 }
 
 const ALL: [(Datapath, FootprintKind); 4] = [
@@ -256,11 +256,11 @@ fn a_device_that_rounds_in_its_own_way_is_within_bounds_and_decides_otherwise_wh
             let count = bench.manifest.count;
             for places in [1, 4] {
                 let words = bench.rounded_otherwise(places.into());
-                let judged = bench.judge(&words, Tier::Bound { places }).expect("judged");
+                let checked = bench.check(&words, Tier::Bound { places }).expect("checked");
                 let what = format!("{datapath:?} {footprint:?} {profile:?}, {places} places");
-                assert_eq!(judged.passing, count, "{what}: {:#?}", judged.failures);
-                assert!(judged.exact < count / 10, "{what}: {} exact", judged.exact);
-                let marked = bench.marks(places).marked.len() as u64;
+                assert_eq!(checked.passing, count, "{what}: {:#?}", checked.failures);
+                assert!(checked.exact < count / 10, "{what}: {} exact", checked.exact);
+                let marked = bench.ambiguous(places).marked.len() as u64;
                 assert!(marked < count / 2, "{what}: {marked} marked");
             }
         }
@@ -272,16 +272,16 @@ fn a_device_that_rounds_in_its_own_way_is_within_bounds_and_decides_otherwise_wh
 #[test]
 fn close_behind_a_threshold_of_the_count_a_share_is_within_bounds() {
     let (datapath, effects) = (Datapath::Reflection, effects(FootprintKind::Sphere));
-    let any = Bench::new(datapath, effects, Profile::Standard, true, 1000).marks(4);
-    let counted = |marked: &&Marked| marked.fields.iter().any(|name| name == "probes");
+    let any = Bench::new(datapath, effects, Profile::Standard, true, 1000).ambiguous(4);
+    let counted = |marked: &&AmbiguousVector| marked.fields.iter().any(|name| name == "probes");
     let near = any.marked.iter().find(counted).expect("one near a threshold").index;
     let devices = vec![near; whole_or(1000, 100)];
     let count = devices.len() as u64;
     let bench = Bench::of(devices, datapath, effects, Profile::Standard, true);
-    let marked = bench.marks(4).marked.len() as u64;
+    let marked = bench.ambiguous(4).marked.len() as u64;
     assert_eq!(marked, count, "the threshold is in reach");
-    let judged = bench.judge(&bench.rounded_otherwise(4), Tier::Bound { places: 4 }).expect("judged");
-    assert_eq!(judged.passing, count, "{:#?}", judged.failures);
+    let checked = bench.check(&bench.rounded_otherwise(4), Tier::Bound { places: 4 }).expect("checked");
+    assert_eq!(checked.passing, count, "{:#?}", checked.failures);
 }
 
 #[test]
@@ -291,15 +291,16 @@ fn a_wrong_sign_and_another_face_are_beyond_bounds() {
     let wrong_sign = node("reflected.mantissa[1]");
     let face = node("face");
     let tier = Tier::Bound { places: 4 };
-    let judged = bench.judge(&bench.device(|_, id, value| if id == wrong_sign { -value } else { value }), tier);
-    let judged = judged.expect("judged");
-    assert_eq!((judged.passing, judged.failures[0].stage.as_str()), (0, "reflect"));
-    assert!(judged.failures[0].within.is_some_and(|places| places < 1000.0), "{:?}", judged.failures[0]);
-    let judged = bench.judge(&bench.device(|_, id, value| if id == face { (value + 1) % 6 } else { value }), tier);
-    let judged = judged.expect("judged");
-    let of_face = bench.marks(4).marked.iter().filter(|marked| marked.fields.iter().any(|name| name == "face")).count();
-    assert!(judged.passing <= of_face as u64, "{judged:?}");
-    assert_eq!((judged.failures[0].field.as_str(), judged.failures[0].within), ("face", None));
+    let checked = bench.check(&bench.device(|_, id, value| if id == wrong_sign { -value } else { value }), tier);
+    let checked = checked.expect("checked");
+    assert_eq!((checked.passing, checked.failures[0].stage.as_str()), (0, "reflect"));
+    assert!(checked.failures[0].within.is_some_and(|places| places < 1000.0), "{:?}", checked.failures[0]);
+    let checked = bench.check(&bench.device(|_, id, value| if id == face { (value + 1) % 6 } else { value }), tier);
+    let checked = checked.expect("checked");
+    let of_face =
+        bench.ambiguous(4).marked.iter().filter(|marked| marked.fields.iter().any(|name| name == "face")).count();
+    assert!(checked.passing <= of_face as u64, "{checked:?}");
+    assert_eq!((checked.failures[0].field.as_str(), checked.failures[0].within), ("face", None));
 }
 
 /// The generated Verilog with a different last step of the first root of `frame`, in a testbench that writes its results.
@@ -329,19 +330,19 @@ fn a_root_of_another_make_in_a_simulator_is_faithful_or_within_bounds() {
             let printed = String::from_utf8_lossy(&output.stdout);
             assert_eq!(output.status.code(), Some(if less == 0 { 0 } else { 3 }), "{printed}");
             assert!(!printed.contains(" #1: "), "more than one vector is printed: {printed}");
-            let judged = judge(&got, &bench.manifest_path(), tier, &|_| {}).expect("judged");
+            let checked = check(&got, &bench.manifest_path(), tier, &|_| {}).expect("checked");
             // A root of a zero, or one that is rounded away, is the same.
-            let right = if passing == 0 { judged.passing < 3 } else { judged.passing == passing };
-            assert!(right, "{tool}, {less} less: {} pass {:#?}", judged.passing, judged.failures);
-            assert!(less == 0 || judged.exact < 3, "{tool}, {less} less: {} exact", judged.exact);
-            assert!(judged.failures.iter().all(|failing| failing.stage == "frame"), "{:#?}", judged.failures);
+            let right = if passing == 0 { checked.passing < 3 } else { checked.passing == passing };
+            assert!(right, "{tool}, {less} less: {} pass {:#?}", checked.passing, checked.failures);
+            assert!(less == 0 || checked.exact < 3, "{tool}, {less} less: {} exact", checked.exact);
+            assert!(checked.failures.iter().all(|failing| failing.stage == "frame"), "{:#?}", checked.failures);
         }
     }
 }
 
 /// A module that is tested alone, its words in upper case and without underscores.
 #[test]
-fn a_stage_alone_is_judged() {
+fn a_stage_alone_is_checked() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let (precision, effects) = (Profile::Standard.precision(), effects(FootprintKind::Face));
     let (datapath, profile) = (Datapath::Reflection, Profile::Standard.name());
@@ -379,23 +380,23 @@ fn a_stage_alone_is_judged() {
         digits.concat() + "\n"
     };
     let text = fs::read_to_string(&words_path).expect("words");
-    let judged = |last_places: i64| {
+    let checked = |last_places: i64| {
         let got = directory.path().join("got.hex");
         let words = text.lines().filter(|line| !line.starts_with("//")).map(|line| word(line, last_places));
         fs::write(&got, words.collect::<String>()).expect("words of a device");
-        judge(&got, &words_path.with_extension("json"), Tier::Faithful, &|_| {}).expect("judged")
+        check(&got, &words_path.with_extension("json"), Tier::Faithful, &|_| {}).expect("checked")
     };
     // A stage has its own bounds and ambiguous fields: no exponent is a decision.
     let got = directory.path().join("got.hex");
     let bound = |last_places: i64| {
-        judged(last_places);
-        judge(&got, &words_path.with_extension("json"), Tier::Bound { places: 1 }, &|_| {}).expect("judged").passing
+        checked(last_places);
+        check(&got, &words_path.with_extension("json"), Tier::Bound { places: 1 }, &|_| {}).expect("checked").passing
     };
     assert_eq!((bound(0), bound(-1)), (30, 30));
-    let marks = marks(&words_path.with_extension("json"), 1, &|_| {}).expect("marks");
-    assert_eq!(marks.marked, []);
-    assert_eq!((judged(0).exact, judged(-1).passing), (30, 30));
-    assert!(judged(-1).exact < 5 && judged(-2).passing < 5, "{}", judged(-2).passing);
+    let ambiguous = ambiguous(&words_path.with_extension("json"), 1, &|_| {}).expect("ambiguous");
+    assert_eq!(ambiguous.marked, []);
+    assert_eq!((checked(0).exact, checked(-1).passing), (30, 30));
+    assert!(checked(-1).exact < 5 && checked(-2).passing < 5, "{}", checked(-2).passing);
 }
 
 #[test]
@@ -405,18 +406,18 @@ fn other_inputs_and_other_counts_are_told() {
     let digit = if words[1].starts_with('0') { "1" } else { "0" };
     words[1].replace_range(0..1, digit);
     for tier in [Tier::Exact, Tier::Faithful] {
-        let judged = bench.judge(&words, tier).expect("judged");
-        assert_eq!((judged.exact, judged.passing), (2, 2));
-        let failing = &judged.failures[0];
+        let checked = bench.check(&words, tier).expect("checked");
+        assert_eq!((checked.exact, checked.passing), (2, 2));
+        let failing = &checked.failures[0];
         assert_eq!((failing.index, failing.stage.as_str(), failing.field.as_str()), (1, "input", "normal_x"));
     }
-    let error = bench.judge(&words[..2], Tier::Exact).expect_err("too few").to_string();
+    let error = bench.check(&words[..2], Tier::Exact).expect_err("too few").to_string();
     assert!(error.ends_with("got.txt: fewer words than the set, which has 3; a bench writes one word for each vector, in the order of the set"), "{error}");
     words.push(words[0].clone());
-    let error = bench.judge(&words, Tier::Exact).expect_err("too many").to_string();
+    let error = bench.check(&words, Tier::Exact).expect_err("too many").to_string();
     assert!(error.contains("more words than the set"), "{error}");
     words[2] = words[2].replacen('_', "_x", 1);
-    let error = bench.judge(&words[..3], Tier::Exact).expect_err("an unknown bit").to_string();
+    let error = bench.check(&words[..3], Tier::Exact).expect_err("an unknown bit").to_string();
     assert!(error.contains("got.txt:3: "), "{error}");
 }
 
@@ -432,9 +433,9 @@ fn a_wrong_bit_behind_a_neighbour_is_named() {
         _ if id == output.node => value ^ bit,
         _ => value,
     });
-    let judged = bench.judge(&words, Tier::Faithful).expect("judged");
-    assert_eq!((judged.passing, judged.failures.len()), (0, 10));
-    for (index, failing) in (0..).zip(&judged.failures) {
+    let checked = bench.check(&words, Tier::Faithful).expect("checked");
+    assert_eq!((checked.passing, checked.failures.len()), (0, 10));
+    for (index, failing) in (0..).zip(&checked.failures) {
         assert_eq!((failing.index, failing.stage.as_str()), (index, "reflect"), "{failing:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! `roughxel vectors minimise`: finds the simplest vector that fails on a broken device, in Icarus.
+//! `roughxel vectors shrink`: of a device that is broken, the simplest vector that shows it, in Icarus.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,8 +8,8 @@ use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 use roughxel_host_tests::simulators::have;
 use roughxel_vectors::{
-    Bench, Device, MinimiseError, MinimiseOptions, SetExport, SetInfo, StageSet, Vector, export_with, minimise,
-    random_set, verify,
+    Bench, Device, SetExport, SetInfo, ShrinkError, ShrinkOptions, StageSet, Vector, export_with, random_set, shrink,
+    verify,
 };
 
 use super::benches::{have_cocotb, installed_cocotb};
@@ -31,8 +31,8 @@ fn written(manifest: &Path, folder: &Path) {
     Bench::new(manifest).and_then(|bench| bench.write(folder, Device::Generated, false)).expect("a testbench");
 }
 
-fn options() -> MinimiseOptions {
-    MinimiseOptions { tool: "icarus".into(), outputs_only: false, runs: 100 }
+fn options() -> ShrinkOptions {
+    ShrinkOptions { tool: "icarus".into(), outputs_only: false, runs: 100 }
 }
 
 /// Breaks a module at the first occurrence of a text.
@@ -51,21 +51,21 @@ fn a_broken_device_gets_the_simplest_vector_that_it_gets_wrong() {
     }
     let directory = tempfile::tempdir().expect("a temporary directory");
     let (manifest, folder) = set(directory.path(), Effects::NONE);
-    let right = minimise(&manifest, 3, &folder, &options(), &|_| {}).expect("a run");
+    let right = shrink(&manifest, 3, &folder, &options(), &|_| {}).expect("the bench runs");
     assert!(right.is_none(), "the device is right");
 
     broken(&folder, "reflect.v", " - {", " + {");
     let words = fs::read(folder.join("words.hex")).expect("the words");
-    let minimised = minimise(&manifest, 3, &folder, &options(), &|_| {}).expect("a run").expect("a failing vector");
-    assert!(minimised.is_minimal && minimised.stage == "reflect" && minimised.runs > 2, "{minimised:?}");
-    // The testbench is unchanged.
+    let shrunk = shrink(&manifest, 3, &folder, &options(), &|_| {}).expect("the bench runs").expect("it is wrong");
+    assert!(shrunk.is_minimal && shrunk.stage == "reflect" && shrunk.runs > 2, "{shrunk:?}");
+    // The bench is as it was.
     assert!(fs::read(folder.join("words.hex")).expect("the words") == words);
     assert_eq!(fs::read_dir(folder.join("build")).expect("the folder").count(), 0);
 
-    let result = minimised.write(&directory.path().join("result")).expect("the result can be written");
-    assert!(result.ends_with("bench_min_narrow.json") && verify(&result, &|_| {}).expect("the set").passed());
-    let vector = Vector::read(&result, 0).expect("the vector can be read");
-    let explanation = vector.explain(Some(&vector.device_word(&minimised.got).expect("fields of the device")));
+    let result = shrunk.write(&directory.path().join("result")).expect("the result can be written");
+    assert!(result.ends_with("bench_min_narrow.json") && verify(&result, &|_| {}).expect("it can be read").passed());
+    let vector = Vector::read(&result, 0).expect("it can be read");
+    let explanation = vector.explain(Some(&vector.device_word(&shrunk.got).expect("fields of the device")));
     let wrong = explanation.wrong.as_ref().expect("the device is wrong");
     assert_eq!(wrong.stage, "reflect");
     // A mirror seen along an axis: n and v have one component each, of one bit.
@@ -95,10 +95,10 @@ fn a_broken_device_gets_the_simplest_vector_that_it_gets_wrong() {
 fn cocotb_finds_the_vector_that_icarus_finds_and_ghdl_has_devices_in_vhdl() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let with = |tool: &str, manifest: &Path, folder: &Path| {
-        let options = MinimiseOptions { tool: tool.into(), ..options() };
-        let minimised = minimise(manifest, 3, folder, &options, &|_| {}).expect("a run").expect("a failing vector");
-        assert!(minimised.is_minimal, "{tool}: {minimised:?}");
-        minimised
+        let options = ShrinkOptions { tool: tool.into(), ..options() };
+        let shrunk = shrink(manifest, 3, folder, &options, &|_| {}).expect("the bench runs").expect("it is wrong");
+        assert!(shrunk.is_minimal, "{tool}: {shrunk:?}");
+        shrunk
     };
     if have("iverilog") && have_cocotb() {
         let (manifest, folder) = set(directory.path(), Effects::NONE);
@@ -117,10 +117,10 @@ fn cocotb_finds_the_vector_that_icarus_finds_and_ghdl_has_devices_in_vhdl() {
         fs::create_dir(&of_vhdl).expect("a folder");
         let (manifest, _) = set(&of_vhdl, Effects::NONE);
         let folder = of_vhdl.join("blank");
-        Bench::new(&manifest).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a testbench");
-        let minimised = with("ghdl", &manifest, &folder);
-        let result = minimised.write(&of_vhdl.join("result")).expect("the result can be written");
-        assert!(minimised.stage == "perturb" && verify(&result, &|_| {}).expect("the set").passed());
+        Bench::new(&manifest).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a bench");
+        let shrunk = with("ghdl", &manifest, &folder);
+        let result = shrunk.write(&of_vhdl.join("result")).expect("the result can be written");
+        assert!(shrunk.stage == "perturb" && verify(&result, &|_| {}).expect("it can be read").passed());
     }
 }
 
@@ -135,12 +135,12 @@ fn a_set_of_one_stage_is_refused_with_what_to_do() {
     let of_stage = directory.path().join("stage");
     let written = SetExport::of_stage(&info, 4, &stage).write(&input, &of_stage, &|_| {}).expect("a set of a stage");
     let of_stage = of_stage.join(&written.files[0].name).with_extension("json");
-    let error = minimise(&of_stage, 0, &folder, &options(), &|_| {}).expect_err("a stage").to_string();
-    assert!(error.contains("a set of one stage; minimise a vector of its datapath"), "{error}");
+    let error = shrink(&of_stage, 0, &folder, &options(), &|_| {}).expect_err("a stage").to_string();
+    assert!(error.contains("a set of one stage; shrink a vector of its datapath"), "{error}");
     let folder = directory.path().join("of_stage");
-    Bench::new(&of_stage).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a testbench");
-    let error = minimise(&manifest, 0, &folder, &options(), &|_| {}).expect_err("a bench of a stage");
-    assert!(matches!(error, MinimiseError::OtherSet { .. }), "{error}");
+    Bench::new(&of_stage).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a bench");
+    let error = shrink(&manifest, 0, &folder, &options(), &|_| {}).expect_err("a bench of a stage");
+    assert!(matches!(error, ShrinkError::OtherSet { .. }), "{error}");
 }
 
 #[test]
@@ -151,18 +151,18 @@ fn runs_are_bounded_and_a_bench_that_fails_says_why() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let (manifest, folder) = set(directory.path(), Effects::NONE);
     broken(&folder, "reflect.v", " - {", " + {");
-    let few = MinimiseOptions { runs: 2, ..options() };
-    let minimised = minimise(&manifest, 0, &folder, &few, &|_| {}).expect("a run").expect("a failing vector");
-    assert!(!minimised.is_minimal && minimised.runs == 2 && !minimised.simplified.is_empty(), "{minimised:?}");
+    let few = ShrinkOptions { runs: 2, ..options() };
+    let shrunk = shrink(&manifest, 0, &folder, &few, &|_| {}).expect("the bench runs").expect("it is wrong");
+    assert!(!shrunk.is_minimal && shrunk.runs == 2 && !shrunk.simplified.is_empty(), "{shrunk:?}");
 
     broken(&folder, "reflect.v", "endmodule", "");
-    let error = minimise(&manifest, 0, &folder, &options(), &|_| {}).expect_err("it does not compile").to_string();
-    assert!(error.contains("the testbench fails with icarus") && error.contains("reflect.v"), "{error}");
+    let error = shrink(&manifest, 0, &folder, &options(), &|_| {}).expect_err("it does not compile").to_string();
+    assert!(error.contains("the bench fails with icarus") && error.contains("reflect.v"), "{error}");
     assert_eq!(fs::read_dir(folder.join("build")).expect("the folder").count(), 0);
 
     let other = directory.path().join("other");
     fs::create_dir(&other).expect("a folder");
     let (manifest, _) = set(&other, Effects { bump: true, ..Effects::NONE });
-    let error = minimise(&manifest, 0, &folder, &options(), &|_| {}).expect_err("another set");
-    assert!(matches!(error, MinimiseError::OtherSet { .. }), "{error}");
+    let error = shrink(&manifest, 0, &folder, &options(), &|_| {}).expect_err("another set");
+    assert!(matches!(error, ShrinkError::OtherSet { .. }), "{error}");
 }

@@ -1,10 +1,10 @@
-//! `roughxel vectors judge`.
+//! `roughxel vectors check`.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use roughxel_vectors::{Failing, Judgement, Manifest, Tier, judge};
+use roughxel_vectors::{CheckResult, Failing, Manifest, Tier, check};
 use serde_json::json;
 
 use super::explain::manifest_of;
@@ -12,37 +12,37 @@ use crate::Failure;
 use crate::console::with_progress;
 
 pub(super) const LONG_HELP: &str = "\
-Judge the words of a device by an acceptance tier.
+Check the words of a device by an acceptance tier.
 
   exact     every bit of every field is that of the set
   faithful  each reciprocal 1/2x and inverse root 1/2√x of the datapath (SPEC.md) may be one last place of the profile more or less than
-            ours, still in [½, 1]; whatever follows from them is exact
-  bound     whatever the datapath rounds may be up to --places last places more or less. A number may then differ by the sum of what each
-            rounding alone makes of it in that vector, plus --places of its own; a decision (face, count of probes, status) may be what it is
-            in some such device (`roughxel vectors marks` lists where there is more than one)
+            ours, still in [½, 1]; everything computed from them is exact
+  bound     each rounding may be up to --places last places more or less. A number may differ by the sum of the effects of each rounding
+            alone in that vector, plus --places. A decision (face, probe count, status) may be that of any such device
+            (`roughxel vectors ambiguous` lists the vectors with more than one)
 
-GOT has the words of a device in the order of the set: the same fields, inputs included, as text with or without underscores, or, in a
-file NAME.bin, as records of bytes. The check value of a word may be anything.
+GOT has the words of a device in the order of the set: the same fields, inputs included. Words are text with or without underscores, or byte
+records in a file NAME.bin. The check value of a word may be anything.
 
-Faithful is judged on the operations themselves: the outcomes of stages that a word has are asked in the order of the pipeline, and a vector
-passes if some choice of neighbours gives all of them. So the stage that is named is the first one whose outcome does not follow from
-the device's own values before it. Of a set without taps there may be too many choices; then the command says so.";
+Tier faithful checks operations. It follows the stage outcomes of a word in the order of the pipeline. A vector passes if some choice of
+neighbours gives all of them. The stage that is named is the first whose outcome does not follow from the device's own earlier values. A set
+without taps may leave too many choices; the command then says so.";
 
 #[derive(Args)]
-pub(crate) struct JudgeArgs {
+pub(crate) struct CheckArgs {
     /// Words of the device.
     #[arg(value_name = "GOT")]
     got: PathBuf,
-    /// The set that the device was given: NAME.json, NAME.hex or NAME.bin, or the same without its extension.
+    /// Set that the device was given: NAME.json, NAME.hex, NAME.bin, or NAME.
     #[arg(long, value_name = "SET")]
     set: PathBuf,
-    /// What the device has to give.
+    /// Acceptance tier.
     #[arg(long, value_enum, default_value = "exact")]
     tier: TierArg,
-    /// Last places that each rounding may be off, of tier bound.
+    /// Last places that each rounding may be off, for tier bound.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_PLACES))]
     places: u32,
-    /// Result as JSON.
+    /// Print the result as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -54,10 +54,10 @@ enum TierArg {
     Bound,
 }
 
-/// Most last places that a rounding may be off: beyond, first order says nothing of words of 16 bits.
+/// Most last places that a rounding may be off. Beyond that, a first-order bound says nothing about 16-bit words.
 pub(super) const MOST_PLACES: i64 = 64;
 
-pub(super) fn run(args: &JudgeArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &CheckArgs) -> Result<(), Failure> {
     let tier = match args.tier {
         TierArg::Exact => Tier::Exact,
         TierArg::Faithful => Tier::Faithful,
@@ -65,23 +65,23 @@ pub(super) fn run(args: &JudgeArgs) -> Result<(), Failure> {
     };
     let manifest = manifest_of(&args.set)?;
     let count = Manifest::read(&manifest)?.count;
-    let judgement = with_progress(count, tier.name(), |done| judge(&args.got, &manifest, tier, done))?;
+    let result = with_progress(count, tier.name(), |done| check(&args.got, &manifest, tier, done))?;
     let mut out = io::stdout().lock();
     if args.json {
-        writeln!(out, "{:#}", json!(judgement))?;
+        writeln!(out, "{:#}", json!(result))?;
     } else {
-        describe(&mut out, &judgement)?;
+        describe(&mut out, &result)?;
     }
     out.flush()?;
-    let (count, failing) = (judgement.count, judgement.count - judgement.passing);
+    let (count, failing) = (result.count, result.count - result.passing);
     if failing > 0 {
         return Err(Failure::Mismatch(format!("{failing} of {count} vectors are not {}", tier.adjective())));
     }
     Ok(())
 }
 
-fn describe(out: &mut impl Write, judgement: &Judgement) -> io::Result<()> {
-    let Judgement { set, profile, tier, count, exact, passing, failures } = judgement;
+fn describe(out: &mut impl Write, result: &CheckResult) -> io::Result<()> {
+    let CheckResult { set, profile, tier, count, exact, passing, failures } = result;
     writeln!(out, "{set} ({profile}): {count} vectors")?;
     writeln!(out, "exact    {exact} of {count}")?;
     match tier {

@@ -1,4 +1,4 @@
-//! `roughxel vectors distil`.
+//! `roughxel vectors condense`.
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use roughxel_vectors::{
-    Distilled, Form, MAX_VECTORS, Manifest, Mistake, Picked, SetInfo, Wanted, Words, distil, export_with, manifests_of,
+    Condensed, Form, MAX_VECTORS, Manifest, Mistake, Picked, SetInfo, Wanted, Words, condense, export_with,
+    manifests_of,
 };
 use serde_json::json;
 
@@ -14,56 +15,56 @@ use crate::console::with_progress;
 use crate::{Failure, check_directory, check_file, write_text};
 
 pub(super) const LONG_HELP: &str = "\
-Write a set of few vectors that show the same mistakes as many: what `vectors report` counts.
+Write a set of few vectors that show the same faults as many. `vectors coverage` counts faults.
 
-All sets are of one datapath, effects, profile and columns. Vectors that are needed for an operation that is another one, for an entry of
-a table or for a bin come first, then those that show most stuck bits, up to --most of them: always the one that shows most of what is
-still missing, so the first hundred are the best hundred. With --beside what other sets show is not looked for again, and --mistakes leaves
-the others out: a last place of some entries shows once in a million vectors, and a million are soon asked for that alone.
+All sets have the same datapath, effects, profile and columns. Vectors needed for a wrong operation, a table entry or a bin come first. Those
+that show most stuck bits follow, up to --most vectors. Each vector is the one that shows most of what is still missing, so the first hundred are
+the best hundred. --beside skips what other sets show. --mistakes looks for the named kinds of fault only: the last place of some entries shows
+once in a million vectors.
 
   roughxel vectors export random --count 200000 --bin -o many
-  roughxel vectors distil many/random_standard.json vectors/smoke/cube_edges_standard.json -o few --name few --most 500
-  roughxel vectors report few
-  roughxel vectors distil many --beside few --mistakes entries -o more --name more";
+  roughxel vectors condense many/random_standard.json vectors/smoke/cube_edges_standard.json -o few --name few --most 500
+  roughxel vectors coverage few
+  roughxel vectors condense many --beside few --mistakes entries -o more --name more";
 
 #[derive(Args)]
-pub(crate) struct DistilArgs {
-    /// Directories of sets, or single ones (NAME.json, NAME.hex or NAME.bin).
+pub(crate) struct CondenseArgs {
+    /// Directories of sets, or single sets (NAME.json, NAME.hex or NAME.bin).
     #[arg(required = true, value_name = "DIR|MANIFEST")]
     paths: Vec<PathBuf>,
-    /// Directory; made if it is not there.
+    /// Directory to write to; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Name of the new set.
     #[arg(long, default_value = "distilled", value_name = "NAME")]
     name: String,
-    /// Vectors of the new set at most.
+    /// Most vectors of the new set.
     #[arg(long, default_value_t = 1000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_VECTORS))]
     most: u64,
-    /// Directories of sets, or single ones, that the new one stands beside: what they show is not looked for again.
+    /// Directories of sets, or single sets. Faults that they show are skipped.
     #[arg(long, value_name = "DIR|MANIFEST", num_args = 1..)]
     beside: Vec<PathBuf>,
-    /// Which mistakes to look for; all without it.
+    /// Kinds of fault to look for. The default is all.
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     mistakes: Vec<MistakeArg>,
-    /// Words as records of bytes, NAME.bin, instead of as text.
+    /// Write words as byte records, NAME.bin, instead of text.
     #[arg(long)]
     bin: bool,
-    /// Set and index of each vector as text, too, a line each.
+    /// Also write set and index of each vector to this text file, one line each.
     #[arg(long, value_name = "FILE")]
     picks: Option<PathBuf>,
-    /// Set and index of each vector as JSON.
+    /// Print set and index of each vector as JSON.
     #[arg(long)]
     json: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum MistakeArg {
-    /// Operations that are others; and bins: decisions on both sides, limits, entries that are read.
+    /// Wrong operations, and bins: decisions on both sides, limits, entries that are read.
     Operations,
-    /// Entries of tables that are off by a last place.
+    /// Table entries that are off by one last place.
     Entries,
-    /// Bits that are stuck.
+    /// Stuck bits.
     Stuck,
 }
 
@@ -77,7 +78,7 @@ impl From<MistakeArg> for Mistake {
     }
 }
 
-pub(super) fn run(args: &DistilArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &CondenseArgs) -> Result<(), Failure> {
     check_directory(&args.output)?;
     if let Some(path) = &args.picks {
         check_file(path)?;
@@ -93,7 +94,8 @@ pub(super) fn run(args: &DistilArgs) -> Result<(), Failure> {
     let mistakes = if mistakes.is_empty() { &Mistake::ALL[..] } else { &mistakes };
     let wanted = Wanted { most: args.most as usize, beside: &beside, mistakes };
     let count = counts.sum::<Result<_, _>>()?;
-    let Distilled { of, picked, inputs } = with_progress(count, "faults", |done| distil(first, others, wanted, done))?;
+    let Condensed { of, picked, inputs } =
+        with_progress(count, "faults", |done| condense(first, others, wanted, done))?;
     if picked.is_empty() {
         let text =
             if args.json { r#"{ "picked": [] }"# } else { "no vector shows what the others do not: nothing written" };

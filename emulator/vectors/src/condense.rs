@@ -16,8 +16,8 @@ use roughxel_netlist::interval::Ranges;
 use serde::Serialize;
 
 use super::VectorError;
+use super::coverage::{Hunt, Proofs, is_of_one_design, read_words};
 use super::datapath::Inputs;
-use super::grade::{Hunt, Proofs, is_of_one_design, read_words};
 use super::manifest::Manifest;
 use super::outcomes::Outcomes;
 
@@ -67,8 +67,8 @@ pub struct Picked {
 
 /// Few vectors of many.
 #[derive(Clone, Debug)]
-pub struct Distilled {
-    /// The manifest of one of the sets, for their common data.
+pub struct Condensed {
+    /// The manifest of one of the sets, for what they have in common.
     pub of: Manifest,
     /// The vectors, those that show most first.
     pub picked: Vec<Picked>,
@@ -89,19 +89,19 @@ struct Candidate {
 /// supplement.
 ///
 /// Errors: see [`VectorError`]; sets of several designs.
-pub fn distil(
+pub fn condense(
     first: &Path,
     others: &[PathBuf],
     Wanted { most, beside, mistakes }: Wanted<'_>,
     progress: &dyn Fn(u64),
-) -> Result<Distilled, VectorError> {
+) -> Result<Condensed, VectorError> {
     let of = Manifest::read(first)?;
     let mut sets = vec![(first, of.clone())];
     for path in others.iter().chain(beside) {
         let manifest = Manifest::read(path)?;
         if !is_of_one_design(&of, &manifest) {
             let problem = format!(
-                "datapath, effects, profile or columns are not those of {}; distil sets of one kind at a time",
+                "datapath, effects, profile or columns are not those of {}; condense sets of one kind at a time",
                 first.display()
             );
             return Err(VectorError::Manifest { path: path.clone(), problem });
@@ -110,7 +110,7 @@ pub fn distil(
     }
 
     if of.stage.is_some() {
-        let problem = "a set of one stage; distil the datapath's, and export the stage of what is left".into();
+        let problem = "a set of one stage; condense the datapath's, and export the stage of what is left".into();
         return Err(VectorError::Manifest { path: first.into(), problem });
     }
     let layout = of.layout(first)?;
@@ -187,7 +187,7 @@ pub fn distil(
     chosen.truncate(most);
     let inputs = chosen.iter().map(|&place| Inputs::of(of.datapath, &layout.decode(&candidates[place].bits))).collect();
     let picked = chosen.iter().map(|&place| candidates[place].picked.clone()).collect();
-    Ok(Distilled { of, picked, inputs })
+    Ok(Condensed { of, picked, inputs })
 }
 
 /// A design with mistakes that are not shown yet.

@@ -16,7 +16,7 @@ const BATCH: usize = 1 << 10;
 
 /// Marks of a set.
 #[derive(Clone, Debug, Serialize)]
-pub struct Marks {
+pub struct Ambiguous {
     /// The set.
     pub set: String,
     /// Its profile.
@@ -26,20 +26,20 @@ pub struct Marks {
     /// Last places by which each rounding may be off.
     pub places: u32,
     /// The vectors that are marked.
-    pub marked: Vec<Marked>,
+    pub marked: Vec<AmbiguousVector>,
 }
 
 /// A vector with decisions that can differ.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Marked {
+pub struct AmbiguousVector {
     /// Index of the vector in the whole set, from 0.
     pub index: u64,
     /// Fields that can differ.
     pub fields: Vec<String>,
 }
 
-impl Marks {
-    /// A line per vector in the order of the set, 1 if it is marked, else 0, for `$readmemh`.
+impl Ambiguous {
+    /// A line a vector in the order of the set, 1 where it is marked, else 0, for `$readmemh`.
     pub fn lines(&self, first: u64) -> String {
         let mut lines = vec![b'0'; self.count as usize];
         self.marked.iter().for_each(|marked| lines[(marked.index - first) as usize] = b'1');
@@ -55,7 +55,7 @@ impl Marks {
 /// Marks the vectors of a set; `progress` gets the number of finished vectors.
 ///
 /// Errors: see [`VectorError`].
-pub fn marks(manifest_path: &Path, places: u32, progress: &dyn Fn(u64)) -> Result<Marks, VectorError> {
+pub fn ambiguous(manifest_path: &Path, places: u32, progress: &dyn Fn(u64)) -> Result<Ambiguous, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout(manifest_path)?;
     let outcomes = Outcomes::of(&manifest, &layout);
@@ -65,7 +65,7 @@ pub fn marks(manifest_path: &Path, places: u32, progress: &dyn Fn(u64)) -> Resul
     let mut done = 0;
     while let Some(batch) = lines.batch(BATCH)? {
         done += batch.len() as u64;
-        let of_batch: Vec<Marked> = batch
+        let of_batch: Vec<AmbiguousVector> = batch
             .par_iter()
             .map(|line| {
                 let leeway = bounds.leeway(&lines.bits(line, &layout)?);
@@ -74,15 +74,15 @@ pub fn marks(manifest_path: &Path, places: u32, progress: &dyn Fn(u64)) -> Resul
                     Leeway::Within(_) | Leeway::Any => false,
                 });
                 let fields = open.map(|(_, &outcome)| outcomes.field(outcome).name.clone()).collect();
-                Ok(Marked { index: line.index, fields })
+                Ok(AmbiguousVector { index: line.index, fields })
             })
             .collect::<Result<_, VectorError>>()?;
         marked.extend(of_batch.into_iter().filter(|marked| !marked.fields.is_empty()));
         progress(done);
     }
     if !lines.hash_matches()? {
-        return Err(super::judge::not_its_words(manifest_path));
+        return Err(super::check::not_its_words(manifest_path));
     }
     let (set, profile) = (manifest.set.clone(), manifest.profile.name.clone());
-    Ok(Marks { set, profile, count: manifest.count, places, marked })
+    Ok(Ambiguous { set, profile, count: manifest.count, places, marked })
 }

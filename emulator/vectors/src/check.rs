@@ -60,7 +60,7 @@ impl Tier {
 
 /// Result for a device's words.
 #[derive(Clone, Debug, Serialize)]
-pub struct Judgement {
+pub struct CheckResult {
     /// The set.
     pub set: String,
     /// Its profile.
@@ -104,9 +104,9 @@ pub struct Failing {
 /// Judges a device's words, those of `got` in the order of the set of `manifest_path`; `progress` gets the number of finished
 /// vectors.
 ///
-/// Errors: see [`VectorError`], including a set that was changed, more or fewer words than the set has, and, if the tier is
-/// faithful, a set without taps that leaves too many choices of neighbours to follow.
-pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64)) -> Result<Judgement, VectorError> {
+/// Errors: see [`VectorError`]; among them a set that is not as it was written, more or fewer words than it has, and, where the tier is
+/// faithful, a set without taps that leaves more choices of neighbours than can be followed.
+pub fn check(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64)) -> Result<CheckResult, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout(manifest_path)?;
     let outcomes = Outcomes::of(&manifest, &layout);
@@ -118,9 +118,9 @@ pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
         }
         Tier::Bound { places } => Freedom::Bounds(Bounds::new(&outcomes, places)),
     };
-    let judge = Judge { outcomes: &outcomes, freedom };
+    let check = Checker { outcomes: &outcomes, freedom };
 
-    let mut judgement = Judgement {
+    let mut result = CheckResult {
         set: manifest.set.clone(),
         profile: manifest.profile.name.clone(),
         tier,
@@ -151,21 +151,21 @@ pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
             Ordering::Equal if expected.is_empty() => break,
             Ordering::Equal => done += expected.len() as u64,
         }
-        let judged: Vec<_> = (expected.par_iter().zip(&found))
+        let checked: Vec<_> = (expected.par_iter().zip(&found))
             .map(|(of_set, of_device)| {
                 let expected = set.bits(of_set, &layout)?;
                 let problem = |problem| device.problem(of_device.number, problem);
                 let found = of_device.device_bits(&layout).map_err(problem)?;
-                judge.vector(of_device, &expected, &found).map_err(problem)
+                check.vector(of_device, &expected, &found).map_err(problem)
             })
             .collect::<Result<_, _>>()?;
-        for (is_exact, failing) in judged {
-            judgement.exact += u64::from(is_exact);
-            judgement.passing += u64::from(failing.is_none());
+        for (is_exact, failing) in checked {
+            result.exact += u64::from(is_exact);
+            result.passing += u64::from(failing.is_none());
             if let Some(failing) = failing
-                && judgement.failures.len() < DESCRIBED
+                && result.failures.len() < DESCRIBED
             {
-                judgement.failures.push(failing);
+                result.failures.push(failing);
             }
         }
         progress(done);
@@ -173,18 +173,18 @@ pub fn judge(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
     if !set.hash_matches()? {
         return Err(not_its_words(manifest_path));
     }
-    Ok(judgement)
+    Ok(result)
 }
 
 /// Words that are each right but not those of the manifest.
 pub(super) fn not_its_words(manifest_path: &Path) -> VectorError {
-    let problem = "the words beside it are not those that it was written for, so nothing can be judged by them; see `roughxel vectors verify`, or \
+    let problem = "the words beside it are not those that it was written for, so nothing can be checked against them; see `roughxel vectors verify`, or \
                    export the set again";
     VectorError::Manifest { path: manifest_path.into(), problem: problem.into() }
 }
 
-/// Rules for judging vectors.
-struct Judge<'a> {
+/// What vectors are judged by.
+struct Checker<'a> {
     outcomes: &'a Outcomes<'a>,
     freedom: Freedom<'a>,
 }
@@ -196,12 +196,12 @@ enum Freedom<'a> {
     Bounds(Bounds<'a>),
 }
 
-/// True if a vector is exact; its failure if it does not pass the tier.
-type Judged = (bool, Option<Failing>);
+/// Whether a vector is exact, and where it does not pass the tier.
+type VectorResult = (bool, Option<Failing>);
 
-impl Judge<'_> {
-    /// Judges a vector, or reports why it cannot be judged.
-    fn vector(&self, line: &Line, expected: &[u32], found: &[u32]) -> Result<Judged, String> {
+impl Checker<'_> {
+    /// A vector, or why it cannot be judged.
+    fn vector(&self, line: &Line, expected: &[u32], found: &[u32]) -> Result<VectorResult, String> {
         if let Some(place) = self.outcomes.other_input(expected, found) {
             return Ok((false, Some(self.failing(line, place, found, expected[place], expected))));
         }
@@ -237,7 +237,7 @@ impl Judge<'_> {
                 Ok(Some(self.failing(line, outcome.field, found, bits, found)))
             }
             Verdict::TooMany { place } => Err(format!(
-                "vector #{}: before field {} there are more than {MOST_CHOICES} choices of neighbours; judge it by a set with the outcomes of all stages \
+                "vector #{}: before field {} there are more than {MOST_CHOICES} choices of neighbours; check it with a set with the outcomes of all stages \
                  (export without --no-taps), or stage by stage (export --stage)",
                 line.index,
                 self.outcomes.field(list[place]).name

@@ -18,12 +18,12 @@ use roughxel_netlist::table_check::{Exhaustion, Task};
 use serde::Serialize;
 
 use super::VectorError;
+use super::coverage_count::{Coverage, CoverageEntry};
 use super::files::write_manifest;
 use super::layout::Layout;
 use super::lines::Lines;
 use super::manifest::Manifest;
 use super::outcomes::Outcomes;
-use super::score::{GradeEntry, Score};
 
 /// Vectors that faults process at once: their wires fit a processor's cache.
 const BATCH: usize = 32;
@@ -32,24 +32,24 @@ const TASK: usize = 256;
 
 /// The faults of a stage.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct StageScore {
-    /// The stage, in all its uses; `ports` for the input ports.
+pub struct StageCoverage {
+    /// The stage, in all its uses; `ports` of those that go in.
     pub stage: String,
-    /// Stuck bits of wires.
-    pub stuck: Score,
-    /// Operator faults.
-    pub slips: Score,
+    /// Bits of wires that are stuck.
+    pub stuck: Coverage,
+    /// Operations that are others.
+    pub slips: Coverage,
 }
 
 /// A table.
 #[derive(Clone, Debug, Serialize)]
-pub struct TableScore {
+pub struct TableCoverage {
     /// Its name.
     pub table: String,
     /// Entries that are read.
-    pub read: Score,
-    /// Table entries off by a last place, up and down.
-    pub entries: Score,
+    pub read: Coverage,
+    /// Entries that are off by a last place, up and down.
+    pub entries: Coverage,
 }
 
 /// A fault that no field shows.
@@ -102,7 +102,7 @@ impl Alarm {
 
 /// Coverage of the sets of a datapath, its effects and a profile.
 #[derive(Clone, Debug, Serialize)]
-pub struct Grade {
+pub struct CoverageReport {
     /// The datapath.
     pub datapath: &'static str,
     /// The module of the stage, for sets of a stage.
@@ -117,11 +117,11 @@ pub struct Grade {
     /// Their vectors.
     pub vectors: u64,
     /// The faults stage by stage, in the order of the pipeline.
-    pub stages: Vec<StageScore>,
+    pub stages: Vec<StageCoverage>,
     /// The tables.
-    pub tables: Vec<TableScore>,
-    /// Flags on each side and comparisons at their limits.
-    pub decisions: Score,
+    pub tables: Vec<TableCoverage>,
+    /// Flags on either side and comparisons at their limits.
+    pub decisions: Coverage,
     /// The faults that are not seen.
     pub unseen: Vec<Unseen>,
     /// Table entries that may be off by a last place, as proven: they are not counted.
@@ -134,17 +134,17 @@ pub struct Grade {
     pub alarms: Vec<Alarm>,
 }
 
-impl Grade {
+impl CoverageReport {
     /// All faults.
-    pub fn faults(&self) -> Score {
-        let GradeEntry { stuck, operations, entries, .. } = self.entry();
+    pub fn faults(&self) -> Coverage {
+        let CoverageEntry { stuck, operations, entries, .. } = self.entry();
         stuck.and(operations).and(entries)
     }
 
-    /// The entry of a manifest.
-    pub fn entry(&self) -> GradeEntry {
-        let sum = |scores: &mut dyn Iterator<Item = Score>| scores.fold(Score::default(), Score::and);
-        GradeEntry {
+    /// What a manifest says of it.
+    pub fn entry(&self) -> CoverageEntry {
+        let sum = |counts: &mut dyn Iterator<Item = Coverage>| counts.fold(Coverage::default(), Coverage::and);
+        CoverageEntry {
             stuck: sum(&mut self.stages.iter().map(|stage| stage.stuck)),
             operations: sum(&mut self.stages.iter().map(|stage| stage.slips)),
             entries: sum(&mut self.tables.iter().map(|table| table.entries)),
@@ -157,36 +157,36 @@ impl Grade {
 /// the number of finished vectors.
 ///
 /// Errors: see [`VectorError`].
-pub fn write_grades(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
-    let (mut done, mut grades) = (0, Vec::new());
+pub fn write_coverage(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<CoverageReport>, VectorError> {
+    let (mut done, mut reports) = (0, Vec::new());
     for sets in by_design(manifests)? {
         // Proofs for a design hold for each of its sets.
         let alone: Vec<_> = sets.chunks(1).collect();
-        grade_parts(&alone, &mut |vectors| progress(done + vectors), &mut |part, grade| {
+        cover_parts(&alone, &mut |vectors| progress(done + vectors), &mut |part, report| {
             let (path, manifest) = &sets[part];
-            write_manifest(path, &Manifest { grade: Some(grade.entry()), ..manifest.clone() })?;
-            grades.push((manifests.iter().position(|of| of == path), grade));
+            write_manifest(path, &Manifest { grade: Some(report.entry()), ..manifest.clone() })?;
+            reports.push((manifests.iter().position(|of| of == path), report));
             Ok(())
         })?;
         done += sets.iter().map(|(_, manifest)| manifest.count).sum::<u64>();
     }
-    grades.sort_by_key(|&(place, _)| place);
-    Ok(grades.into_iter().map(|(_, grade)| grade).collect())
+    reports.sort_by_key(|&(place, _)| place);
+    Ok(reports.into_iter().map(|(_, report)| report).collect())
 }
 
 /// Grades the sets of manifests, those of one design together; `progress` gets the number of finished vectors.
 ///
 /// Errors: see [`VectorError`].
-pub fn grade(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<Grade>, VectorError> {
-    let (mut done, mut grades) = (0, Vec::new());
+pub fn coverage(manifests: &[PathBuf], progress: &dyn Fn(u64)) -> Result<Vec<CoverageReport>, VectorError> {
+    let (mut done, mut reports) = (0, Vec::new());
     for sets in by_design(manifests)? {
-        grade_parts(&[&sets], &mut |vectors| progress(done + vectors), &mut |_, grade| {
-            grades.push(grade);
+        cover_parts(&[&sets], &mut |vectors| progress(done + vectors), &mut |_, report| {
+            reports.push(report);
             Ok(())
         })?;
         done += sets.iter().map(|(_, manifest)| manifest.count).sum::<u64>();
     }
-    Ok(grades)
+    Ok(reports)
 }
 
 /// Sets with their manifests.
@@ -211,12 +211,12 @@ pub(super) fn is_of_one_design(a: &Manifest, b: &Manifest) -> bool {
     of(a) == of(b) && a.stage == b.stage
 }
 
-/// Grades parts of the sets of one design, each alone. `progress` gets the number of finished vectors, and `graded` the number of
-/// a part and its grade.
-fn grade_parts(
+/// Grades parts of the sets of one design, each alone; `progress` is told how many vectors are done, and `graded` the number of a part and its
+/// grade.
+fn cover_parts(
     parts: &[&[(PathBuf, Manifest)]],
     progress: &mut dyn FnMut(u64),
-    graded: &mut dyn FnMut(usize, Grade) -> Result<(), VectorError>,
+    covered: &mut dyn FnMut(usize, CoverageReport) -> Result<(), VectorError>,
 ) -> Result<(), VectorError> {
     let (path, of) = &parts[0][0];
     let layout = of.layout(path)?;
@@ -234,7 +234,7 @@ fn grade_parts(
                 progress(done);
             })?;
         }
-        graded(number, tally.grade(of, &ranges, &mut proofs))?;
+        covered(number, tally.report(of, &ranges, &mut proofs))?;
     }
     Ok(())
 }
@@ -365,20 +365,24 @@ impl<'a> Tally<'a> {
         self.vectors += vectors.len() as u64;
     }
 
-    fn grade(mut self, of: &Manifest, ranges: &Ranges, proofs: &mut Proofs) -> Grade {
+    fn report(mut self, of: &Manifest, ranges: &Ranges, proofs: &mut Proofs) -> CoverageReport {
         let net = &self.outcomes.net;
         // A fault that vectors show is not equal, so only the others are tried.
         let equal = proofs.equal(self.faults, &self.hunt.unseen);
         self.hunt.unseen.retain(|(fault, _)| !equal.contains(fault));
         let unseen: HashSet<Fault> = self.hunt.unseen.iter().map(|&(fault, _)| fault).collect();
-        let mut stages = vec![StageScore { stage: "ports".into(), ..StageScore::default() }];
+        let mut stages = vec![StageCoverage { stage: "ports".into(), ..StageCoverage::default() }];
         for run in &net.runs {
             if stages.iter().all(|known| known.stage != run.base()) {
-                stages.push(StageScore { stage: run.base().into(), ..StageScore::default() });
+                stages.push(StageCoverage { stage: run.base().into(), ..StageCoverage::default() });
             }
         }
         let mut tables: Vec<_> = (self.faults.tables.iter())
-            .map(|table| TableScore { table: table.name.clone(), read: Score::default(), entries: Score::default() })
+            .map(|table| TableCoverage {
+                table: table.name.clone(),
+                read: Coverage::default(),
+                entries: Coverage::default(),
+            })
             .collect();
         for &fault in self.faults.faults.iter().filter(|fault| !equal.contains(fault)) {
             let is_seen = !unseen.contains(&fault);
@@ -391,7 +395,7 @@ impl<'a> Tally<'a> {
                 (_, None) => {}
             }
         }
-        let (mut decisions, mut unmet) = (Score::default(), Vec::new());
+        let (mut decisions, mut unmet) = (Coverage::default(), Vec::new());
         for (&bin, &met) in self.bins.bins.iter().zip(&self.met) {
             match bin {
                 Bin::Entry { table, .. } => tables[table as usize].read.count(met > 0),
@@ -425,7 +429,7 @@ impl<'a> Tally<'a> {
             .unseen
             .iter()
             .map(|&(fault, effect)| Unseen { fault: self.faults.text(fault), masked: effect == Effect::Masked });
-        Grade {
+        CoverageReport {
             datapath: of.datapath.name(),
             stage: of.stage.as_ref().map(|stage| stage.module.clone()),
             profile: of.profile.name.clone(),

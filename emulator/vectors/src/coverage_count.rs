@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 /// A count and its total.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Score {
-    /// Total number.
+pub struct Coverage {
+    /// All.
     pub all: usize,
     /// Number that vectors show, meet or read.
     pub found: usize,
 }
 
-impl Score {
+impl Coverage {
     pub(super) fn count(&mut self, found: bool) {
         self.all += 1;
         self.found += usize::from(found);
@@ -29,16 +29,16 @@ impl Score {
     }
 }
 
-/// Coverage of the mistakes that a device can have, and of decisions, as counted by `roughxel vectors report`.
+/// What the set shows of the mistakes that a device can have, and which decisions it takes, as `roughxel vectors coverage` counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GradeEntry {
-    /// Stuck bits of wires.
-    pub stuck: Score,
-    /// Operator faults.
-    pub operations: Score,
-    /// Table entries off by one last place.
-    pub entries: Score,
-    /// Flags on each side and comparisons at their limits.
-    pub decisions: Score,
+pub struct CoverageEntry {
+    /// Bits of wires that are stuck.
+    pub stuck: Coverage,
+    /// Operations that are others.
+    pub operations: Coverage,
+    /// Entries of tables that are off by one last place.
+    pub entries: Coverage,
+    /// Flags on either side and comparisons at their limits.
+    pub decisions: Coverage,
 }
