@@ -13,7 +13,7 @@ use roughxel_utilities::suggestions::closest;
 use super::console::{complain, map_progress};
 use super::failure::{Failure, profile_failure, scene_failure};
 
-/// ShadedColour at the end of every command's help.
+/// Text at the end of most commands' help.
 pub(super) const CONVENTIONS: &str = "\
 Units and formats:
   vectors      n, v, h, p_u, p_v may have any length; v points from the surface to the eye
@@ -22,14 +22,14 @@ Units and formats:
   lambda, step in units of s, t (half faces); K in half faces squared; lod in levels
   mantissas    I2F30 (two's complement, 30 fraction bits) times 2^exponent (16-bit integer)
   offsets      b, d, step: I4F28, -8 to 8; lod: I16F16
-  profiles     narrow (14 kept fraction bits, on words of 16), paper, compact (both 16), standard (20), precise (26);
-               or a file (TOML): a path, or a name that ends in .toml, with the knobs that are not those of its
-               `base` (standard), such as fraction_bits = 18; its keys are in emulator/profiles.md
+  profiles     narrow (14 kept fraction bits, on 16-bit words), paper, compact (both 16), standard (20), precise (26);
+               or a TOML file: a path, or a name that ends in .toml. It holds the knobs that differ from its `base`
+               (standard), such as fraction_bits = 18; emulator/profiles.md lists the keys
 
 Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
 Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";
 
-/// The built-in scene of that name or the scene in that file, at another size where one is given; its warnings are told.
+/// Opens a built-in scene or a scene file, at another size if one is given. Its warnings go to stderr.
 pub(super) fn open_scene(name: &str, size: Option<[u32; 2]>) -> Result<Scene, Failure> {
     let bar = map_progress(name);
     let scene = Scene::open_with(name, &bar);
@@ -47,14 +47,14 @@ pub(super) fn open_scene(name: &str, size: Option<[u32; 2]>) -> Result<Scene, Fa
 /// A profile as a command-line argument.
 #[derive(Clone, Debug)]
 pub(super) enum ProfileArg {
-    /// A named one.
+    /// A named profile.
     Named(Profile),
-    /// A file, not read yet: what is wrong in it is no error of usage.
+    /// A file that is not read yet. An error in it is not an error of usage.
     File(PathBuf),
 }
 
 impl ProfileArg {
-    /// Its name and knobs.
+    /// Opens the profile: name and knobs.
     pub(super) fn open(&self) -> Result<NamedPrecision, Failure> {
         match self {
             Self::Named(profile) => Ok((*profile).into()),
@@ -63,6 +63,7 @@ impl ProfileArg {
     }
 }
 
+/// Parses a profile's name or path.
 pub(super) fn parse_profile(text: &str) -> Result<ProfileArg, String> {
     if let Some(profile) = Profile::by_name(text) {
         return Ok(ProfileArg::Named(profile));
@@ -78,14 +79,14 @@ pub(super) fn parse_profile(text: &str) -> Result<ProfileArg, String> {
 /// Profiles as one command-line argument.
 #[derive(Clone, Debug)]
 pub(super) enum Profiles {
-    /// Every named one.
+    /// Every named profile.
     All,
-    /// One.
+    /// One profile.
     One(ProfileArg),
 }
 
 impl Profiles {
-    /// Their names and knobs.
+    /// Opens the profiles: names and knobs.
     pub(super) fn open(&self) -> Result<Vec<NamedPrecision>, Failure> {
         match self {
             Self::All => Ok(Profile::ALL.map(NamedPrecision::from).to_vec()),
@@ -94,11 +95,12 @@ impl Profiles {
     }
 }
 
+/// Parses `all`, or a profile's name or path.
 pub(super) fn parse_profiles(text: &str) -> Result<Profiles, String> {
     if text == "all" { Ok(Profiles::All) } else { parse_profile(text).map(Profiles::One) }
 }
 
-/// `WIDTHxHEIGHT` in pixels, each up to 16384 and 2^26 together.
+/// Parses `WIDTHxHEIGHT` in pixels: each up to 16384, at most 2^26 pixels in all.
 pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let number = |text: &str| text.parse::<u32>().ok().filter(|edge| (1..=16384).contains(edge));
     let size = text.split_once(['x', 'X']).and_then(|(width, height)| Some([number(width)?, number(height)?]));
@@ -106,7 +108,7 @@ pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "a size is WIDTHxHEIGHT, each from 1 to 16384 and at most 2^26 pixels, such as 640x400".into())
 }
 
-/// A picture to write: what it is must be what its name says.
+/// Parses the path of a picture to write. Pictures are PNG, so an extension must be `png`.
 pub(super) fn parse_png(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension() {
@@ -117,17 +119,17 @@ pub(super) fn parse_png(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// Refuses a file that cannot be written, before the work that it is for.
+/// Refuses a file that cannot be written, before the work starts.
 pub(super) fn check_file(path: &Path) -> Result<(), WriteError> {
     OutputFile::check(path).map_err(|source| WriteError { path: path.into(), source })
 }
 
-/// Refuses a directory that cannot be written to or made, before the work that it is for.
+/// Refuses a directory that cannot be written to or created, before the work starts.
 pub(super) fn check_directory(path: &Path) -> Result<(), WriteError> {
     output::check_directory(path).map_err(|source| WriteError { path: path.into(), source })
 }
 
-/// Writes a text; the file appears whole or not at all.
+/// Writes a text file, which appears whole or not at all.
 pub(super) fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
     let write = || {
         let mut file = OutputFile::create(path)?;
@@ -137,7 +139,7 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
     write().map_err(|source| WriteError { path: path.into(), source })
 }
 
-/// Removes what runs that were killed left in a directory, and says so.
+/// Removes the temporary files that killed runs left in a directory, and says so.
 pub(super) fn remove_abandoned_in(directory: &Path) {
     let Removed { files, bytes } = output::remove_abandoned(directory);
     if files > 0 {
@@ -146,15 +148,15 @@ pub(super) fn remove_abandoned_in(directory: &Path) {
     }
 }
 
-/// A number of threads, 1 to 1024.
+/// Parses a number of threads, 1 to 1024.
 pub(super) fn parse_threads(text: &str) -> Result<usize, String> {
     let threads = text.parse().ok().filter(|threads| (1..=1024).contains(threads));
     threads.ok_or_else(|| "a number of threads is from 1 to 1024".into())
 }
 
-/// Sets the number of threads of the whole program, at most one for each core; none leaves it to the machine.
+/// Sets the number of threads of the program, at most one per core. `None` means one per core.
 ///
-/// More than cores only look for work that others have: 1024 on two of them took 47 times as long as two.
+/// Surplus threads only look for work: on two cores, 1024 threads take 47 times as long as two.
 pub(super) fn use_threads(threads: Option<usize>) -> Result<(), Failure> {
     let cores = std::thread::available_parallelism().map_or(usize::MAX, NonZero::get);
     match threads {
@@ -163,7 +165,7 @@ pub(super) fn use_threads(threads: Option<usize>) -> Result<(), Failure> {
     }
 }
 
-/// A name as part of a file name: lower-case letters, digits and underscores, at most 40.
+/// Makes a name part of a file name: at most 40 lower-case letters, digits and underscores.
 pub(super) fn file_stem(name: &str) -> String {
     let name = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
     let good = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };

@@ -1,4 +1,4 @@
-//! Where pyramids of peaks are kept between runs, and their building.
+//! Cache of peak pyramids between runs, and their building.
 
 use std::env;
 use std::ffi::OsString;
@@ -14,24 +14,24 @@ use super::console::{complain, late_progress};
 
 #[derive(Args)]
 pub(super) struct CacheArgs {
-    /// Directory that fitted peaks are kept in from run to run; it may be deleted at any time. The user's cache directory
-    /// ($XDG_CACHE_HOME, $HOME/.cache or %LOCALAPPDATA%, below it roughxel) if nothing is given.
+    /// Directory that keeps fitted peaks between runs; it may be deleted at any time. The default is `roughxel` in the user's cache
+    /// directory ($XDG_CACHE_HOME, $HOME/.cache or %LOCALAPPDATA%).
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
-    /// Fit peaks anew and keep none.
+    /// Fit all peaks again and keep none.
     #[arg(long, conflicts_with = "cache")]
     no_cache: bool,
 }
 
 impl CacheArgs {
-    /// The directory, if any.
+    /// Directory of the cache, if there is one.
     pub(super) fn directory(&self) -> Option<PathBuf> {
         let own = || self.cache.clone().or_else(|| user_directory(|name| env::var_os(name)));
         (!self.no_cache).then(own).flatten()
     }
 
-    /// The peaks of a scene, with a bar where that takes long; a cache that cannot be written is a warning, and so are
-    /// peaks that are too bright.
+    /// Fits or reads the peaks of a scene, with a progress bar if that takes long. A cache that cannot be written is a warning, and so
+    /// are peaks that are too bright.
     pub(super) fn peaks(&self, scene: &Scene, filters: bool) -> Result<ScenePeaks, Failure> {
         let bar = late_progress(ScenePeaks::steps(scene, filters), &format!("{}: peaks", scene.name));
         let progress = |steps: Steps| match steps {
@@ -50,20 +50,20 @@ impl CacheArgs {
         if peaks.cut > 0 {
             let (name, count) = (&scene.name, peaks.cut);
             complain(&format!(
-                "warning: {name}: {count} peaks have an amplitude of {AMPLITUDE_LIMIT} or more and were cut"
+                "warning: {name}: {count} peaks have an amplitude of {AMPLITUDE_LIMIT} or more and were clamped"
             ));
         }
         Ok(peaks)
     }
 
-    /// Tells that peaks are not kept.
+    /// Warns that peaks are not kept.
     pub(super) fn warn(&self, reason: impl std::fmt::Display) {
         let directory = self.directory().unwrap_or_default();
         complain(&format!("warning: peaks are not kept in {}: {reason}", directory.display()));
     }
 }
 
-/// `roughxel` in the user's cache directory; relative ones count as missing (XDG base directories 0.8), empty ones too.
+/// Finds `roughxel` in the user's cache directory. Relative and empty paths count as missing (XDG base directories 0.8).
 fn user_directory(variable: impl Fn(&str) -> Option<OsString>) -> Option<PathBuf> {
     let absolute = |name: &str| variable(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let home = || absolute("HOME").map(|home| home.join(".cache"));

@@ -20,52 +20,54 @@ use super::{Failure, check_file, open_scene, parse_size, use_threads};
 pub(super) const LONG_HELP: &str = "\
 Find the cheapest profile that is accurate enough, or the most accurate within a budget, and write its file.
 
-Tried are the named profiles and a grid: 12 to 28 kept fraction bits, with tables, levels and weights to match; direction of
-the major axis exact, from 10 or 32 steps; probes 1 to 16, a power of two or not; roughness isotropic or not.
+Candidates are the named profiles and a grid: 12 to 28 kept fraction bits, with tables, levels and weights to match; direction of
+the major axis exact, from 10 or 32 steps; 1 to 16 probes, a power of two or not; roughness isotropic or not.
 
-  accuracy     PSNR of frames in linear light, of the worst scene, against the same frames in float64: with the filter
-               of `standard` (filter: what integers change), or with 1024 samples a pixel (samples: filter and integers)
-  host         time of a frame over that in `standard`, median of pairs drawn in turn, on the worst scene
-  hardware     full adders of what the largest object's fragments and fetches go through: w x n of a multiplier of w by n
-               bits, w x (digits - 1) of one by a constant, carry bits of adders and comparators; no tables, no selects
+  accuracy     PSNR of frames in linear light, of the worst scene, against the same frames in float64. `filter` compares
+               with the filter of `standard` (error of the integers), `samples` with 1024 samples a pixel (error of
+               filter and integers)
+  host         time of a frame divided by that in `standard`, median of pairs drawn in turn, on the worst scene
+  hardware     full adders of the designs that the largest object's fragments and fetches use: w x n for a multiplier of
+               w by n bits, w x (digits - 1) for one by a constant, carry bits of adders and comparators. Tables and
+               selects do not count
   softcore     instructions of a pixel on riscv32imac: a reflection with all effects, its probes with their texels
-  memory       texels of a pixel, those of each map and level by themselves
+  memory       texels of a pixel; each map and level counts separately
 
-Equal costs are decided by accuracy, equal accuracy by cost. On the clock host figures differ from run to run.
+Accuracy decides between equal costs, and cost between equal accuracy. On the clock host, figures differ between runs.
 
-Exit codes: 0 done, 1 failure, 2 usage, 3 no profile is accurate or cheap enough: the nearest is told, no file written.
+Exit codes: 0 done, 1 failure, 2 usage, 3 no profile is accurate or cheap enough: the nearest is printed, no file is written.
 Data goes to stdout, progress and errors to stderr.";
 
 #[derive(Args)]
 #[command(group(ArgGroup::new("aim").required(true).args(["psnr", "budget"])))]
 pub(super) struct ChooseArgs {
-    /// Least accuracy of the worst scene, dB: the cheapest profile that has it.
+    /// Choose the cheapest profile with at least this accuracy of the worst scene, in dB.
     #[arg(long, value_parser = parse_positive, value_name = "DB")]
     psnr: Option<f64>,
-    /// Most cost, in the unit of the clock: the most accurate profile within it.
+    /// Choose the most accurate profile with at most this cost, in the unit of the clock.
     #[arg(long, value_parser = parse_positive, value_name = "COST")]
     budget: Option<f64>,
-    /// Scene file (TOML), or the name of a built-in scene; may be given several times.
+    /// Scene file (TOML) or built-in scene. Repeat it for more scenes.
     #[arg(long, default_values = ["lake", "zebra", "globe"], value_name = "SCENE")]
     scene: Vec<String>,
-    /// What is counted: host, hardware, softcore or memory.
+    /// Cost to count: host, hardware, softcore or memory.
     #[arg(long, default_value_t = Clock::Hardware, value_name = "CLOCK")]
     clock: Clock,
-    /// What frames are compared with: filter or samples.
+    /// Frames to compare with: filter or samples.
     #[arg(long, default_value_t = Against::Filter, value_name = "TRUTH")]
     against: Against,
     /// Size of the frames in pixels.
     #[arg(long, default_value = "160x120", value_parser = parse_size, value_name = "WxH")]
     size: [u32; 2],
-    /// Profile file to write; its name becomes that of the profile.
+    /// Profile file to write. Its name becomes that of the profile.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Threads, at most one for each core.
+    /// Number of threads, at most one per core.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     threads: Option<usize>,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Everything as JSON.
+    /// Print everything as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -78,10 +80,10 @@ fn parse_positive(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
     let (clock, output) = (args.clock, &args.output);
-    // Before minutes of work: that the file can be written, and under which name.
+    // Name and file are checked before minutes of work.
     let name = name_of_file(output);
     if Profile::by_name(&name).is_some() {
-        return Err(Failure::Usage(format!("`{name}` is the name of a profile; give the file another")));
+        return Err(Failure::Usage(format!("`{name}` is the name of a profile; give the file another name")));
     }
     check_file(output)?;
 
@@ -144,7 +146,7 @@ pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What was chosen and why: the head of the file.
+/// Makes the comment lines at the head of the file: what was chosen and why.
 fn comments(args: &ChooseArgs, chosen: &Candidate) -> Vec<String> {
     let (clock, [width, height]) = (args.clock, args.size);
     let aim = match (args.psnr, args.budget) {
@@ -164,7 +166,7 @@ fn figure(cost: Option<f64>) -> String {
     }
 }
 
-/// A knob or a figure a row.
+/// Builds the table of knobs and figures, one per row.
 fn table(chosen: &Candidate, next: Option<&Candidate>) -> comfy_table::Table {
     let mut table = new_table(["", "chosen", "next cheaper"]);
     let mut row = |name: &str, text: &dyn Fn(&Candidate) -> String| {

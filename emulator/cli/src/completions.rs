@@ -13,19 +13,19 @@ Print a script that completes commands, options and names in a shell.
   bash         roughxel completions bash > ~/.local/share/bash-completion/completions/roughxel
   zsh          roughxel completions zsh > _roughxel, in a directory of $fpath
   fish         roughxel completions fish > ~/.config/fish/completions/roughxel.fish
-  elvish, powershell: into the file that is read at the start
+  elvish, powershell: append it to the file that is read at startup
 
 Exit codes: 0 done, 1 failure, 2 usage.";
 
 #[derive(Args)]
 pub(super) struct CompletionsArgs {
-    /// The shell.
+    /// Shell to complete in.
     shell: Shell,
 }
 
 pub(super) fn run(args: &CompletionsArgs, program: &mut clap::Command) -> Result<(), Failure> {
     let name = program.get_name().to_owned();
-    // Into memory: the generator itself would panic on a pipe whose reader has left.
+    // The script goes to memory first: the generator panics on a closed pipe.
     let mut script = Vec::new();
     clap_complete::generate(args.shell, program, name, &mut script);
     io::stdout().lock().write_all(&script)?;

@@ -1,4 +1,4 @@
-//! What goes to the terminal.
+//! Progress bars, messages and tables for the terminal.
 
 use std::io::{self, Write};
 use std::sync::OnceLock;
@@ -8,12 +8,12 @@ use comfy_table::{Table, presets};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use roughxel_scene::MapProgress;
 
-/// A progress bar on stderr, hidden where that is no terminal.
+/// Makes a progress bar on stderr, which is hidden if stderr is not a terminal.
 pub(super) fn progress(total: u64, what: &str) -> ProgressBar {
     styled(ProgressBar::new(total), what)
 }
 
-/// Does work that says how much of it is done.
+/// Runs `work` with a progress bar. `work` reports how much is done.
 pub(super) fn with_progress<T>(total: u64, what: &str, work: impl FnOnce(&(dyn Fn(u64) + Sync)) -> T) -> T {
     let bar = progress(total, what);
     let outcome = work(&|done| bar.set_position(done));
@@ -21,29 +21,29 @@ pub(super) fn with_progress<T>(total: u64, what: &str, work: impl FnOnce(&(dyn F
     outcome
 }
 
-/// Work shorter than this needs no bar.
+/// Duration below which work shows no bar.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// A progress bar that shows itself only where the work takes longer than [`PATIENCE`].
+/// A progress bar that appears only if the work takes longer than [`PATIENCE`].
 pub(super) struct LateProgress {
     bar: ProgressBar,
     start: Instant,
     shown: OnceLock<()>,
 }
 
-/// As [`progress`], but late.
+/// Makes a progress bar like [`progress`] that appears late.
 pub(super) fn late_progress(total: u64, what: &str) -> LateProgress {
     let hidden = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
     LateProgress { bar: styled(hidden, what), start: Instant::now(), shown: OnceLock::new() }
 }
 
-/// A bar for the maps of a scene, one after the other; late, too.
+/// A late progress bar for the maps of a scene, one after another.
 pub(super) struct SceneProgress {
     scene: String,
     late: LateProgress,
 }
 
-/// As [`late_progress`], for the maps of a scene.
+/// Makes a late progress bar for the maps of a scene.
 pub(super) fn map_progress(scene: &str) -> SceneProgress {
     SceneProgress { scene: scene.to_owned(), late: late_progress(0, scene) }
 }
@@ -69,7 +69,7 @@ impl MapProgress for SceneProgress {
 }
 
 impl LateProgress {
-    /// So much more is done.
+    /// Adds finished steps.
     pub(super) fn inc(&self, done: u64) {
         self.bar.inc(done);
         if self.start.elapsed() > PATIENCE {
@@ -77,7 +77,7 @@ impl LateProgress {
         }
     }
 
-    /// So much needs not be done: it says nothing about the time that the rest takes.
+    /// Adds skipped steps, which do not count in the estimate of the remaining time.
     pub(super) fn skip(&self, done: u64) {
         self.bar.inc(done);
         self.bar.reset_eta();
@@ -91,7 +91,7 @@ impl LateProgress {
 
 fn styled(bar: ProgressBar, what: &str) -> ProgressBar {
     let template = "{msg} {wide_bar} {human_pos}/{human_len} {eta} left";
-    // A template that does not parse leaves the default style.
+    // If the template does not parse, the default style stays.
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
@@ -99,12 +99,12 @@ fn styled(bar: ProgressBar, what: &str) -> ProgressBar {
     bar
 }
 
-/// A line on stderr; a closed stderr leaves nobody to tell.
+/// Writes a line to stderr. A closed stderr is ignored.
 pub(super) fn complain(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// An empty table for stdout.
+/// Makes an empty table for stdout.
 pub(super) fn new_table<const N: usize>(header: [&str; N]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED).set_header(header);

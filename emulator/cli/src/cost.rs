@@ -18,41 +18,41 @@ use super::ranges::{design_help, parse_design, unproven};
 use super::{Failure, Profiles, effects, parse_profiles};
 
 pub(super) const LONG_HELP: &str = "\
-Count what a design costs in hardware: each run once for each time it runs, nothing shared.
+Count what a design costs in hardware. Nothing is shared: a stage that runs several times counts each time.
 
-Widths are those the proof of `roughxel ranges` leaves, without constant low zeros.
+Widths are those that the proof of `roughxel ranges` leaves, without constant low zeros.
   multipliers     by operand widths, bits in two's complement; those by a constant: bits x non-zero signed digits
   adders          adders and subtracters of two wires; `constant` ones add a constant (increments, roundings)
   bits            of adders and comparators: places with a carry; of selects, logic and counters: width
   shifters        by a count on a wire; bits are selects, width times bits of the count
   ROM             bits of every table that can be read, once a stage
-  levels          gate levels of the longest path, for a stage from its inputs to its outcomes, in total from ports to
-                  outputs without a register. One level is a gate of two inputs or a select. w bits: adder
+  levels          gate levels of the longest path: for a stage from its inputs to its outcomes, in total from ports to
+                  outputs without a register. One level is a gate of two inputs or a select. For w bits: adder
                   ceil(log2 w)+2, comparator one less, shifter bits of the count, leading zeros ceil(log2 w)+1, table
-                  ceil(log2 entries); multiplier 1 + 2 x (levels of its carry-save tree) + adder; the rest is wires
+                  ceil(log2 entries), multiplier 1 + 2 x (levels of its carry-save tree) + adder; the rest is wires
 
-Exit codes: 0 done, 1 the design is not proven and has no widths, 2 usage.
+Exit codes: 0 done, 1 the design is not proven and so has no widths, 2 usage.
 Data goes to stdout, progress and errors to stderr.";
 
 #[derive(Args)]
 pub(super) struct CostArgs {
-    /// Profile: a name, a file (TOML), or `all`.
+    /// Profile: a name, a file (TOML) or `all`.
     #[arg(long, default_value = "all", value_parser = parse_profiles, value_name = "NAME|FILE|all")]
     profile: Profiles,
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
     effects: Effects,
     #[arg(long, default_value = "reflection", value_parser = parse_design, value_name = "NAME", help = design_help())]
     design: Design,
-    /// List the critical path of a stage, of one run of it, or of the whole design by its name: levels, operation, bits
-    /// and source line.
+    /// List the critical path of a stage, of one run of a stage, or of the whole design by its name: levels, operation, bits and
+    /// source line.
     #[arg(long, value_name = "STAGE|DESIGN")]
     path: Option<String>,
-    /// Everything as JSON, each run of a run included.
+    /// Print everything as JSON, with the cost of each run.
     #[arg(long)]
     json: bool,
 }
 
-/// A design under one profile.
+/// Cost of a design under one profile.
 struct Measured<'a> {
     profile: &'a str,
     net: Net,
@@ -103,7 +103,7 @@ pub(super) fn run(args: &CostArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The steps of a critical path: level at which each is done, operation, bits, source line.
+/// Lists the steps of a critical path: level at which each is done, operation, bits, source line.
 fn path(one: &Measured<'_>, design: &str, name: &str) -> Result<Vec<[String; 4]>, Failure> {
     let Measured { net, ranges, census, .. } = one;
     let run = if name == design {
@@ -126,7 +126,7 @@ fn path(one: &Measured<'_>, design: &str, name: &str) -> Result<Vec<[String; 4]>
     Ok(critical_path(net, ranges, run).into_iter().map(step).collect())
 }
 
-/// `count (bits)`.
+/// Formats units as `count (bits)`.
 fn units(units: Units) -> String {
     if units.count == 0 { String::new() } else { format!("{} ({})", units.count, units.bits) }
 }
@@ -135,7 +135,7 @@ fn number(count: u64) -> String {
     if count == 0 { String::new() } else { count.to_string() }
 }
 
-/// Name of a figure, its heading in a narrow column, and its text.
+/// Name of a figure, heading of its narrow column, and its text.
 type Figure = (&'static str, &'static str, fn(&Cost) -> String);
 
 const FIGURES: [Figure; 12] = [
@@ -153,7 +153,7 @@ const FIGURES: [Figure; 12] = [
     ("levels", "levels", |cost| number(cost.levels.into())),
 ];
 
-/// A figure a row, multipliers by width first; a profile a column.
+/// Builds the table of totals: a row for each figure, multipliers by width first, and a column for each profile.
 fn totals(measured: &[Measured<'_>]) -> comfy_table::Table {
     let mut table = new_table([""]);
     table.set_header(["total"].into_iter().chain(measured.iter().map(|one| one.profile)));
@@ -174,7 +174,7 @@ fn totals(measured: &[Measured<'_>]) -> comfy_table::Table {
     table
 }
 
-/// A stage a row, a figure a column.
+/// Builds the table of one profile: a row for each stage and a column for each figure.
 fn stages(one: &Measured<'_>) -> comfy_table::Table {
     let mut table = new_table([""]);
     table.set_header([one.profile, "runs"].into_iter().chain(FIGURES.map(|(_, heading, _)| heading)));
@@ -185,7 +185,7 @@ fn stages(one: &Measured<'_>) -> comfy_table::Table {
     table
 }
 
-/// A stage a row, a profile a column.
+/// Builds the table of several profiles: a row for each stage and a column for each profile.
 fn side_by_side(measured: &[Measured<'_>]) -> comfy_table::Table {
     let mut table = new_table([""]);
     table.set_header(["stage", "runs"].into_iter().chain(measured.iter().map(|one| one.profile)));

@@ -21,26 +21,26 @@ use super::{Failure, ProfileArg, check_directory, parse_profile, parse_size, use
 pub use draw::DrawError;
 use draw::{DEMO_MODES, DEMO_SCENES, DemoScene, demo_scene};
 
-/// Random fragments of the table of errors; `report accuracy` takes more.
+/// Random fragments of the error table. `report accuracy` takes more.
 const ACCURACY_FRAGMENTS: u64 = 100_000;
 
 #[derive(Args)]
 pub(super) struct DemoArgs {
-    /// Directory of pictures and vectors; made if it is not there.
+    /// Directory of pictures and vectors; created if missing.
     #[arg(short, long, default_value = "out", value_name = "DIR")]
     pub(super) output: PathBuf,
     /// Size of each picture in pixels.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     pub(super) size: Option<[u32; 2]>,
-    /// Threads, at most one for each core; the pictures are the same for any number.
+    /// Number of threads, at most one per core. The pictures do not depend on it.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
-    /// Profile: a name, or a file (TOML).
+    /// Profile: a name or a file (TOML).
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     pub(super) profile: ProfileArg,
     #[command(flatten)]
     pub(super) cache: CacheArgs,
-    /// Table as JSON.
+    /// Print the table as JSON.
     #[arg(long)]
     pub(super) json: bool,
 }

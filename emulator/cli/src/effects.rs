@@ -1,4 +1,4 @@
-//! `--effects` and `--frame`: which effects are on; `--scene`: those that the objects of a scene call for.
+//! `--effects` and `--frame`: effects that are on. `--scene`: effects that the objects of a scene need.
 
 use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
@@ -10,11 +10,11 @@ use roughxel_shader::ObjectPlan;
 use super::{Failure, open_scene};
 
 /// Help of every `--effects`.
-pub(super) const HELP: &str = "Effects that are on: a comma list of bump, roughness (or roughness-iso, which reads d1 \
-    as I1), curvature, footprint (or footprint-sphere, for wide lobes), horizon (or horizon-product, F92's product of shares); or all, or none. A datapath looks at those it has: a reflection at all but \
-    horizon (without footprint there is one probe at level 0), a highlight at bump and roughness, a peak at horizon";
+pub(super) const HELP: &str = "Effects that are on: all, none, or a comma list of bump, roughness (or roughness-iso, which reads d1 \
+    as I1), curvature, footprint (or footprint-sphere, for wide lobes), horizon (or horizon-product, F92's product of shares). \
+    A reflection uses all but horizon (without footprint it has one probe at level 0), a highlight bump and roughness, a peak horizon";
 
-/// The effects of a comma list.
+/// Parses the effects of a comma list.
 pub(super) fn parse(list: &str) -> Result<Effects, String> {
     match list.trim() {
         "all" => return Ok(Effects::ALL),
@@ -38,7 +38,7 @@ pub(super) fn parse(list: &str) -> Result<Effects, String> {
     })
 }
 
-/// The frame system of a name.
+/// Parses the name of a frame system.
 pub(super) fn parse_frame(name: &str) -> Result<FrameSystem, String> {
     match name {
         "main" => Ok(FrameSystem::MainDirection),
@@ -48,22 +48,22 @@ pub(super) fn parse_frame(name: &str) -> Result<FrameSystem, String> {
     }
 }
 
-/// An object of a scene, or several with one plan.
+/// Objects of a scene that share a plan.
 pub(super) struct PlannedObject {
-    /// Name as part of a path: lower-case letters, digits and underscores, no other object's.
+    /// Name as part of a path: lower-case letters, digits and underscores, unique among the objects.
     pub(super) directory: String,
     /// Names of the objects.
     pub(super) names: Vec<String>,
-    /// Their plan in the mode `footprint`.
+    /// Plan of the objects in the mode `footprint`.
     pub(super) plan: ObjectPlan,
-    /// Whether what the scene reflects is brighter than 64 × white.
+    /// True if the environment is brighter than 64 × white.
     pub(super) is_bright: bool,
 }
 
-/// The objects of a scene, those of one plan once.
+/// Plans the objects of a scene and groups them by plan.
 pub(super) fn planned_objects(scene: &str, p: &Precision) -> Result<Vec<PlannedObject>, Failure> {
     let scene = open_scene(scene, None)?;
-    // A plan does not depend on the peaks of a map.
+    // Plans do not depend on the peaks of a map.
     let prepared = Prepared::with_peaks(&scene, Mode::Footprint, p, &ScenePeaks::default())?;
     let mut planned: Vec<PlannedObject> = Vec::new();
     for (object, plan) in scene.objects.iter().zip(prepared.plans()) {

@@ -1,4 +1,4 @@
-//! Why a command ends without success, and how errors look.
+//! Failures of commands, and the form of error messages.
 
 use std::error::Error;
 use std::io;
@@ -7,19 +7,19 @@ use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use roughxel_scene::{Fault, SceneError};
 use roughxel_study::profile_file::ProfileError;
 
-/// Why a command ends without success.
+/// Reason why a command ends without success.
 pub(super) enum Failure {
-    /// Something went wrong: exit code 1.
+    /// An error: exit code 1.
     Error(Report),
-    /// The arguments contradict each other or name what is not there: exit code 2.
+    /// Arguments that contradict each other or name something unknown: exit code 2.
     Usage(String),
-    /// A comparison failed and has been described: exit code 3.
+    /// A failed comparison, already described: exit code 3.
     Mismatch(String),
-    /// Whoever read the output has had enough: no failure at all.
+    /// The reader of the output closed the pipe: exit code 0.
     BrokenPipe,
 }
 
-/// A library error, with its chain of causes; a diagnostic with source text comes in by [`Failure::Error`].
+/// Converts a library error with its chain of causes. A diagnostic with source text is made with [`Failure::Error`].
 impl<E: Error + Send + Sync + 'static> From<E> for Failure {
     fn from(error: E) -> Self {
         let mut cause: Option<&(dyn Error + 'static)> = Some(&error);
@@ -33,7 +33,7 @@ impl<E: Error + Send + Sync + 'static> From<E> for Failure {
     }
 }
 
-/// A scene's error, drawn with its line where it has one.
+/// Makes the failure of a scene, drawn with its source line if there is one.
 pub(super) fn scene_failure(error: SceneError) -> Failure {
     match error.fault() {
         Some(fault) => drawn(fault),
@@ -41,7 +41,7 @@ pub(super) fn scene_failure(error: SceneError) -> Failure {
     }
 }
 
-/// A profile file's error, drawn with its line where it has one.
+/// Makes the failure of a profile file, drawn with its source line if there is one.
 pub(super) fn profile_failure(error: ProfileError) -> Failure {
     match error {
         ProfileError::Fault(fault) => drawn(&fault),
@@ -49,7 +49,7 @@ pub(super) fn profile_failure(error: ProfileError) -> Failure {
     }
 }
 
-/// What is wrong at a place of a file, with its line.
+/// Makes the failure of a fault at a place in a file, drawn with its line.
 fn drawn(fault: &Fault) -> Failure {
     let label = LabeledSpan::at(fault.span.clone(), fault.message.clone());
     let place = format!("{}:{}:{}: {}", fault.file, fault.line, fault.column, fault.message);
@@ -57,7 +57,7 @@ fn drawn(fault: &Fault) -> Failure {
     Failure::Error(Report::new(diagnostic).with_source_code(NamedSource::new(&fault.file, fault.text.to_string())))
 }
 
-/// Errors, each the cause of the one before; a cause that is already part of the text is not repeated.
+/// Joins errors, each the cause of the previous one. A cause that the text already contains is not repeated.
 pub(super) fn on_one_line<'a>(errors: impl Iterator<Item = &'a (dyn Error + 'static)>) -> String {
     errors.map(ToString::to_string).fold(String::new(), |text, cause| {
         if text.contains(&cause) {

@@ -1,9 +1,10 @@
-//! `roughxel gallery`: every scene of the papers beside what it is compared with, judged against supersampling.
+//! `roughxel gallery`: every scene of the papers next to what it is compared with, measured against supersampling.
 //!
-//! [`table`] lists the scenes and their columns; [`draw_scene`] draws one into files, [`write_page`] makes one page of all
-//! of them. A column is the scene in a mode, perhaps changed ([`change`]): without its texture, with another formula.
-//! The reference is 1024 unfiltered samples a pixel in the most precise profile, kept between runs (`reference`).
-//! Times are of drawing only: maps are built before, and a column is drawn again while that is quick, the fastest counts.
+//! [`table`] lists the scenes and their columns, [`draw_scene`] draws one scene into files, and [`write_page`] makes one page of all scenes.
+//! A column is the scene in a mode, perhaps changed ([`change`]): without its texture, or with a different formula.
+//!
+//! The reference has 1024 unfiltered samples a pixel in the most precise profile and is kept between runs (`reference`).
+//! Times are of drawing only, without building maps. A quick column is drawn several times, and the fastest counts.
 
 pub mod change;
 mod draw;
@@ -35,42 +36,42 @@ pub use drawn::{DrawnColumn, DrawnReference, DrawnScene, GalleryError, Settings}
 pub use entry::{Column, Entry};
 pub use page::write_page;
 
-pub(super) const LONG_HELP: &str = "Draw the scenes of the papers, each beside what it is compared with: pictures, differences from a reference of many \
-samples, and a page with all of them and their figures.
+pub(super) const LONG_HELP: &str = "Draw the scenes of the papers next to what they are compared with: pictures, differences from a reference of many \
+samples, and a page with all pictures and figures.
 
 DIR gets SCENE/COLUMN.png, SCENE/difference-COLUMN.png (128 + 4 times the error, in 8-bit sRGB codes), SCENE/reference.png, \
-SCENE/side-by-side.png, and index.html, which needs none of the others. References are kept in DIR/.reference and drawn \
-again when the scene, the size, the samples or the program have changed.
+SCENE/side-by-side.png, and index.html, which needs no other file. References are kept in DIR/.reference. They are drawn again \
+if the scene, the size, the samples or the program has changed.
 
-PSNR is of linear light, SSIM (Wang and others, 2004) of the grey a display shows, both against the reference; a column of as many \
-samples a pixel as the reference, or more, is not judged by it. Times are of \
-drawing alone, the fastest of some: compare them within one run only.
+PSNR is of linear light, SSIM (Wang and others, 2004) of the grey a display shows, both against the reference. A column with at least as many \
+samples a pixel as the reference is not judged. Times are of drawing alone, the fastest of several drawings: compare them within \
+one run only.
 
 Exit codes: 0 done, 1 failure, 2 usage.";
 
 #[derive(Args)]
 pub(super) struct GalleryArgs {
-    /// Directory of the pictures and the page; made if it is not there.
+    /// Directory of the pictures and the page; created if missing.
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: PathBuf,
-    /// Only this scene; may be given several times.
+    /// Draw only this scene. Repeat it for more scenes.
     #[arg(long, value_parser = parse_entry, value_name = "NAME")]
     pub(super) scene: Vec<&'static str>,
     /// Size of each picture in pixels.
     #[arg(long, default_value = "320x240", value_parser = parse_size, value_name = "WxH")]
     pub(super) size: [u32; 2],
-    /// Threads, at most one for each core; the pictures are the same for any number.
+    /// Number of threads, at most one per core. The pictures do not depend on it.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
     /// Samples a pixel of the reference, a square number from 1 to 4096.
     #[arg(long, default_value = "1024", value_parser = parse_samples, value_name = "N")]
     pub(super) samples: Samples,
-    /// Profile of the columns, a name or a file (TOML); the reference is always drawn in `precise`.
+    /// Profile of the columns: a name or a file (TOML). The reference is always drawn in `precise`.
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     pub(super) profile: ProfileArg,
     #[command(flatten)]
     pub(super) cache: CacheArgs,
-    /// Figures as JSON.
+    /// Print the figures as JSON.
     #[arg(long)]
     pub(super) json: bool,
 }
@@ -80,7 +81,7 @@ pub(super) struct GalleryArgs {
 pub(super) struct Samples(u32);
 
 fn parse_samples(text: &str) -> Result<Samples, String> {
-    // One grammar of sample counts: that of the mode.
+    // The mode's parser defines which sample counts are valid.
     match format!("supersampled:{text}").parse() {
         Ok(Mode::Supersampled { edge }) => Ok(Samples(edge)),
         _ => Err("a number of samples is a square number from 1 to 4096 (1, 4, 16, 64, …)".into()),
@@ -107,7 +108,7 @@ pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
     let entries: Vec<_> = table::ENTRIES.iter().filter(|entry| is_wanted(entry.name)).collect();
     let bar = progress(entries.iter().map(|entry| work(entry, &settings)).sum(), "");
     let step = |what: &str, done: u64| {
-        // The message only where it changes: tiles come from many threads.
+        // The message is set only if it changes, because tiles come from many threads.
         if done == 0 {
             bar.set_message(what.to_string());
         }
@@ -115,7 +116,7 @@ pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
     };
     let scenes = entries.into_iter().map(|entry| draw_scene(entry, &settings, directory, &step));
     let scenes = scenes.collect::<Result<Vec<DrawnScene>, _>>()?;
-    // Once, however many scenes have peaks.
+    // The warning appears once, for any number of scenes with peaks.
     if let Some(reason) = scenes.iter().find_map(|scene| scene.not_kept.as_ref()) {
         bar.suspend(|| args.cache.warn(reason));
     }
@@ -151,7 +152,7 @@ pub(super) fn run(args: &GalleryArgs) -> Result<(), Failure> {
     writeln!(out, "{table}\n{}", page.display())?;
     if scenes.iter().flat_map(|scene| &scene.columns).any(|drawn| drawn.psnr.is_none()) {
         complain(
-            "note: columns of as many samples a pixel as the reference, or more, are not judged; take more --samples",
+            "note: columns with at least as many samples a pixel as the reference are not judged; take more --samples",
         );
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! # roughxel-cli
 //!
-//! The program `roughxel`: arguments, exit codes and how errors look. Each command is a file or a folder of its own.
+//! The program `roughxel`: arguments, exit codes and error messages. Each command is a file or a folder.
 //!
 //! Data goes to stdout, progress and errors to stderr. Exit codes: 0 done, 1 failure, 2 usage, 3 mismatch.
 
@@ -45,7 +45,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Draw the demonstration scenes, export vectors and print a table of errors and times.
+    /// Draw the demonstration scenes, export vectors, and print errors and times.
     #[command(after_help = CONVENTIONS)]
     Demo(demo::DemoArgs),
     /// Draw a scene.
@@ -66,16 +66,16 @@ enum Command {
     /// Count multipliers, adders, tables and gate levels of every stage.
     #[command(long_about = cost::LONG_HELP)]
     Cost(cost::CostArgs),
-    /// Write the datapath as synthesizable Verilog: a module a stage, a pipelined top, ROMs, a JSON manifest.
+    /// Write the datapath as synthesizable Verilog: a module for each stage, a pipelined top, ROMs, a JSON manifest.
     #[command(after_help = CONVENTIONS)]
     Verilog(verilog::VerilogArgs),
-    /// Draw the scenes of the papers, each beside what it is compared with, and a page of all of them.
+    /// Draw the scenes of the papers next to what they are compared with, and write a page of them.
     #[command(long_about = gallery::LONG_HELP)]
     Gallery(gallery::GalleryArgs),
     /// Say which effects each object of a scene has, why, and what they cost.
     #[command(long_about = plan::LONG_HELP)]
     Plan(plan::PlanArgs),
-    /// Show what accuracy costs in time: every knob alone, on four clocks, as one page.
+    /// Measure what accuracy costs in time: every knob alone, on four clocks, as one page.
     #[command(long_about = study::LONG_HELP)]
     Study(study::StudyArgs),
     /// Find the cheapest profile that is accurate enough, or the most accurate within a budget.
@@ -94,7 +94,7 @@ pub fn run() -> ExitCode {
     let handler = |_: &_| -> Box<dyn miette::ReportHandler> {
         Box::new(MietteHandlerOpts::new().wrap_lines(false).terminal_links(false).build())
     };
-    // Fails only if a hook is there already, and then that one does.
+    // This fails only if a hook is already set. That hook then serves.
     let _ = miette::set_hook(Box::new(handler));
 
     let outcome = match Cli::parse().command {
@@ -116,7 +116,7 @@ pub fn run() -> ExitCode {
     match outcome {
         Ok(()) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
         Err(Failure::Error(report)) => {
-            // Only a diagnostic with source text has something to draw.
+            // Only a diagnostic with source text is drawn.
             let text = if report.source_code().is_some() {
                 format!("{report:?}")
             } else {
@@ -127,7 +127,7 @@ pub fn run() -> ExitCode {
         }
         Err(Failure::Usage(message)) => {
             let error = Cli::command().error(clap::error::ErrorKind::ValueValidation, message);
-            // A closed stderr leaves nobody to tell.
+            // Nobody reads a closed stderr.
             let _ = error.print();
             ExitCode::from(2)
         }

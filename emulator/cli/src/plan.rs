@@ -20,44 +20,44 @@ Say which effects each object of a scene has, why, and what they cost.
 
   effect       + on, – off
   why          the key of the scene, or the property of its maps, that decides
-  stages       what the effect adds to the datapath of a fragment; what an effect needs of others belongs to both
-  operations   additions, comparisons, selects, shifts by a count, products and table reads that the effect adds
-               to a fragment (highlight: for each light; peaks and horizons: for each peak and light), and after the + to
-               each of its fetches (environment: per probe; maps: per channel and probe)
+  stages       stages that the effect adds to the datapath of a fragment; a stage that two effects need belongs to both
+  operations   additions, comparisons, selects, shifts by a count, products and table reads that the effect adds to a
+               fragment (highlight: per light; peaks and horizons: per peak and light), and after the + to each of its
+               fetches (environment: per probe; maps: per channel and probe)
   x of them    multipliers of two wires
   maps         memory of its maps with all their levels
-  memory       what the frame takes until it is a file, at most at a time, and the maps of all objects; the rest are the
-               scene as it was read and about a MiB a thread
-  share        of the time of a frame: 1 - t(without)/t(with), the median of some rounds; with --measure
+  memory       peak memory of the frame until it is a file, and the maps of all objects; the scene and about a MiB per
+               thread come on top
+  share        share of the time of a frame: 1 - t(without)/t(with), the median of the rounds; with --measure
 
 Exit codes: 0 done, 1 failure, 2 usage.
 Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";
 
 #[derive(Args)]
 pub(super) struct PlanArgs {
-    /// Scene file (TOML), or the name of a built-in scene.
+    /// Scene file (TOML) or built-in scene.
     scene: String,
-    /// unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
+    /// Filtering: unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
     #[arg(long, default_value = "footprint", value_name = "MODE")]
     mode: Mode,
-    /// Profile: a name, or a file (TOML).
+    /// Profile: a name or a file (TOML).
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     profile: ProfileArg,
-    /// Measure the share of each effect, drawing whole frames.
+    /// Measure the time share of each effect by drawing whole frames.
     #[arg(long)]
     measure: bool,
-    /// Rounds of a measurement.
+    /// Number of measurement rounds.
     #[arg(long, default_value_t = 7, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), requires = "measure")]
     rounds: u32,
-    /// Size of the frame in pixels instead of the scene's.
+    /// Size of the frame in pixels. The default is the scene's.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     size: Option<[u32; 2]>,
-    /// Threads, at most one for each core.
+    /// Number of threads, at most one per core.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     threads: Option<usize>,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Everything as JSON.
+    /// Print everything as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -101,14 +101,14 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The effects that are on, in one line.
+/// Lists the effects that are on, in one line.
 fn summary(plan: &ObjectPlan) -> String {
     let names: Vec<_> = Effect::ALL.into_iter().filter(|effect| plan.has(*effect)).map(Effect::name).collect();
     if names.is_empty() { "one colour".into() } else { names.join(", ") }
 }
 
 fn table(report: &ObjectReport, measured: bool) -> Table {
-    // What belongs together stands in one column on lines of its own, so that the texts have room.
+    // Related cells share a column, on separate lines, so that the texts have room.
     let last = if measured { "maps\nshare" } else { "maps" };
     let mut table = new_table(["effect", "why\nstages", "operations\n× of them", last]);
     for effect in &report.effects {
@@ -131,15 +131,15 @@ fn table(report: &ObjectReport, measured: bool) -> Table {
     table
 }
 
-/// Characters of a line, those of a narrow terminal; reasons and stages are wrapped.
+/// Width of a narrow terminal in characters. Reasons and stages are wrapped.
 const WIDTH: u16 = 80;
 
-/// The texts that are not empty, a line each.
+/// Joins the texts that are not empty, one per line.
 fn lines<const N: usize>(texts: [String; N]) -> String {
     texts.into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n")
 }
 
-/// Stages by name, those that run several times with their count: `columns_pixel ×2`.
+/// Lists stages by name. A stage that runs several times has a count: `columns_pixel ×2`.
 fn stages<'a>(runs: impl Iterator<Item = &'a String>) -> String {
     let mut counted: Vec<(&str, usize)> = Vec::new();
     for run in runs {

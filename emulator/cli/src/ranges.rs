@@ -25,19 +25,19 @@ use super::{Failure, Profiles, effects, open_scene, parse_profiles, parse_size};
 pub(super) const LONG_HELP: &str = "\
 Prove that no wire can overflow, for any bits at any port, and print the range of every named wire.
 
-A row is an outcome of a stage. Intervals are values: the integer on the wire over 2^fraction.
-  wire          stage and place in its outcome; `fraction` are its fraction bits
-  proven        interval by the walk over the graph; `bits` it needs in two's complement (a flag: 1)
-  declared      bits of the wire: 32, or 64 for a wide one; `slack` is what is left of them
-  frame, sets   intervals observed over the fragments of a frame, and over every set of hard cases and the random one;
-                `observed bits` is what both together need. Designs beside the reflection datapath see the ports to
-                which a fragment leads, those behind the memories random ones
+A row is an outcome of a stage. Intervals are values: the integer on the wire divided by 2^fraction.
+  wire          stage and place in its outcome; `fraction` is its number of fraction bits
+  proven        interval proven on the netlist; `bits` is its width in two's complement (a flag: 1)
+  declared      bits of the wire: 32, or 64 for a wide one; `slack` is declared minus proven bits
+  frame, sets   intervals observed over the fragments of a frame, and over all sets of hard cases and the random set;
+                `observed bits` is the width of both together. Designs other than the reflection datapath get the
+                ports that follow from a fragment; ports that follow from memories are random
 
 Exit codes: 0 no wire can overflow; 1 one can: the source line of each is on stderr; 2 usage; 3 a value was observed
 outside its proven interval.
 Data goes to stdout, progress and errors to stderr.";
 
-/// Help of every `--design`.
+/// Makes the help of every `--design`.
 pub(super) fn design_help() -> String {
     format!("Design: {}", design_names())
 }
@@ -48,28 +48,28 @@ fn design_names() -> String {
 
 #[derive(Args)]
 pub(super) struct RangesArgs {
-    /// Profile: a name, a file (TOML), or `all`.
+    /// Profile: a name, a file (TOML) or `all`.
     #[arg(long, default_value = "standard", value_parser = parse_profiles, value_name = "NAME|FILE|all")]
     profile: Profiles,
     #[arg(long, default_value = "all", value_parser = effects::parse, value_name = "LIST", help = effects::HELP)]
     effects: Effects,
     #[arg(long, default_value = "reflection", value_parser = parse_designs, value_name = "NAME|all", help = design_help())]
     design: Designs,
-    /// Scene of the frame: a file (TOML), or the name of a built-in one.
+    /// Scene of the frame: a file (TOML) or a built-in scene.
     #[arg(long, default_value = "lake", value_name = "SCENE")]
     scene: String,
-    /// Size of the frame in pixels; each reflecting pixel is observed.
+    /// Size of the frame in pixels. Each reflecting pixel is observed.
     #[arg(long, default_value = "80x60", value_parser = parse_size, value_name = "WxH")]
     size: [u32; 2],
     /// Fragments of the random set.
     #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000))]
     random: u64,
-    /// Table as JSON, with integers instead of values.
+    /// Print the table as JSON, with integers instead of values.
     #[arg(long)]
     json: bool,
 }
 
-/// One design or every one.
+/// Designs of `--design`: one or all.
 #[derive(Clone, Debug)]
 struct Designs(Vec<Design>);
 
@@ -81,7 +81,7 @@ fn parse_designs(name: &str) -> Result<Designs, String> {
     if name == "all" { Ok(Designs(Design::ALL.to_vec())) } else { parse_design(name).map(|one| Designs(vec![one])) }
 }
 
-/// A design that is not proven: every violation on stderr, and the failure.
+/// Writes the violations of a design without proof to stderr and makes the failure.
 pub(super) fn unproven(violations: &[Violation]) -> Failure {
     for violation in violations {
         complain(&format!("error: {violation}"));
@@ -90,7 +90,7 @@ pub(super) fn unproven(violations: &[Violation]) -> Failure {
     Failure::Error(miette!("{count} operations may leave their wires"))
 }
 
-/// A design under one profile with what was seen of it.
+/// A design under one profile, with the observed ranges.
 struct Surveyed<'a> {
     profile: &'a str,
     design: Design,
@@ -151,7 +151,7 @@ pub(super) fn run(args: &RangesArgs) -> Result<(), Failure> {
     if violations.is_empty() { Ok(()) } else { Err(unproven(&violations)) }
 }
 
-/// What a design's wires carry for fragments.
+/// Observes the wires of a design for fragments.
 fn observe(
     design: Design,
     net: &Net,
@@ -170,13 +170,13 @@ fn observe(
     seen
 }
 
-/// Bits of a wire's range as it is declared: two's complement, low zeros included.
+/// Counts the bits of a range in two's complement, low zeros included.
 fn bits(range: Range, kind: Kind) -> u32 {
     let magnitude = 64 - range.high.max(-1 - range.low).max(0).leading_zeros();
     if kind == Kind::Flag { 1 } else { magnitude + 1 }
 }
 
-/// What both observations together have seen of a wire.
+/// Counts the bits of a wire that both observations need.
 fn seen_bits(one: &Surveyed<'_>, tap: &Tap) -> Option<u32> {
     let kind = one.net.node(tap.node).kind;
     [&one.frame, &one.sets].iter().filter_map(|seen| Some(bits(seen.of(tap.node)?, kind))).max()
@@ -218,7 +218,7 @@ fn as_table(one: &Surveyed<'_>) -> comfy_table::Table {
     table
 }
 
-/// A value with six decimals, or four digits where it is smaller than they show.
+/// Formats a value with six decimals, or with four digits if it is smaller than that.
 fn short(value: f64) -> String {
     let decimals = format!("{value:.6}");
     match decimals.trim_end_matches('0').trim_end_matches('.') {

@@ -29,32 +29,32 @@ const CAPTURED_FRAGMENTS: usize = 4096;
 
 #[derive(Args)]
 pub(super) struct RenderArgs {
-    /// Scene file (TOML), or the name of a built-in scene.
+    /// Scene file (TOML) or built-in scene.
     pub(super) scene: String,
-    /// Picture to write, a PNG; the scene's name with .png if nothing is given.
+    /// PNG file to write. The default is the name of the scene with .png.
     #[arg(short, long, value_parser = parse_png, value_name = "PNG")]
     pub(super) output: Option<PathBuf>,
-    /// unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
+    /// Filtering: unfiltered, isotropic, footprint, or supersampled:N with N samples a pixel, a square number.
     #[arg(long, default_value = "footprint", value_name = "MODE")]
     pub(super) mode: Mode,
-    /// Profile: a name, or a file (TOML).
+    /// Profile: a name or a file (TOML).
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     pub(super) profile: ProfileArg,
-    /// Size in pixels instead of the scene's.
+    /// Size in pixels. The default is the scene's.
     #[arg(long, value_parser = parse_size, value_name = "WxH")]
     pub(super) size: Option<[u32; 2]>,
-    /// Threads, at most one for each core; the picture is the same for any number.
+    /// Number of threads, at most one per core. The picture does not depend on it.
     #[arg(long, value_name = "N", value_parser = super::parse_threads)]
     pub(super) threads: Option<usize>,
-    /// Backend of the datapath: scalar, avx2 or avx512. The default is the fastest of the machine. The picture is the same for each.
+    /// Backend of the datapath: scalar, avx2 or avx512. The default is the fastest of the machine; the picture does not depend on it.
     #[arg(long, alias = "reading", value_name = "NAME")]
     pub(super) backend: Option<Backend>,
-    /// Export a set of vectors made of the frame's fragments into this directory.
+    /// Export fragments of the frame as vector sets into this directory.
     #[arg(long, value_name = "DIR")]
     pub(super) capture: Option<PathBuf>,
     #[command(flatten)]
     pub(super) cache: CacheArgs,
-    /// Figures as JSON.
+    /// Print the figures as JSON.
     #[arg(long)]
     pub(super) json: bool,
 }
@@ -80,7 +80,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let (width, height) = (frame.width, frame.height);
     let digest = args.json.then(|| frame.digest());
     let codes = frame.srgb_codes();
-    // Encoding takes as much memory again as the codes do, in place of the frame.
+    // Encoding needs as much memory as the codes. The memory of the frame is free for it.
     drop(frame);
     write_png_codes(&output, [width, height], &codes)?;
     drop(codes);
@@ -108,7 +108,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Exports fragments spread over the frame, a set for each plan among its objects.
+/// Exports fragments spread over the frame, one set for each plan among its objects.
 fn capture(
     scene: &Scene,
     prepared: &Prepared<'_>,
@@ -130,7 +130,7 @@ fn capture(
             None => sets.push((plan, vec![fragment])),
         }
     }
-    // Where the mode changes knobs, the set is of another profile.
+    // If the mode changes knobs, the set is of a different profile.
     let precision = mode.precision(&profile.precision);
     let profile = if precision == profile.precision { &profile.name } else { "custom" };
     let description = format!("fragments of a frame: {}, {mode}", scene.name);

@@ -11,7 +11,7 @@ pub(super) use accuracy::{as_json, as_table};
 
 #[derive(Subcommand)]
 pub(super) enum ReportCommand {
-    /// Worst error of each stage against the float64 reference, with the fragment that made it.
+    /// Measure the worst error of each stage against the float64 reference, with its fragment.
     #[command(after_help = CONVENTIONS)]
     Accuracy(AccuracyArgs),
 }

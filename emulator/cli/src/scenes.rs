@@ -11,10 +11,10 @@ use super::Failure;
 
 #[derive(Args)]
 pub(super) struct ScenesArgs {
-    /// Print the text (TOML) of this scene instead of the list, to read or to start an own one from.
+    /// Print the text (TOML) of this scene, as a start for your own.
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// List as JSON.
+    /// Print the list as JSON.
     #[arg(long, conflicts_with = "name")]
     json: bool,
 }

@@ -12,37 +12,37 @@ use super::console::{complain, progress};
 use super::{Failure, check_directory};
 
 pub(super) const LONG_HELP: &str = "\
-Show what accuracy costs in time: every knob of a profile alone, the named profiles, word widths and modes, against float64, \
+Measure what accuracy costs in time: every knob of a profile alone, the named profiles, word widths and modes, against float64, \
 float32 and several samples a pixel.
 
 Accuracy   worst, mean and 99.9 % error of every stage; PSNR and SSIM of frames against the same filter in float64, the filter of
            `standard` in float64, and 1024 samples a pixel; errors near every degeneracy
-Time       host: nanoseconds a fragment and a pixel, scalar and lanes, as ratios to `standard` measured in turns with it
-           hardware: multipliers, lookup tables, gate levels of the reflection datapath, from the proof of its ranges
-           soft core: instructions a fragment as `cargo firmware price --knobs` counted them
-           memory: texels a pixel, bytes of maps
+Time       host: nanoseconds per fragment and per pixel, scalar and SIMD, as ratios to `standard`, measured in turns with it
+           hardware: multipliers, lookup tables and gate levels of the reflection datapath, from the proof of its ranges
+           soft core: instructions per fragment, as `cargo firmware price --knobs` counted them
+           memory: texels per pixel, bytes of maps
 
-Writes study.json, index.html (one page, nothing beside it, no script) and the two plots of the README as SVG. An interrupted study
-goes on where it was; what another program's load spoilt is marked.
+Writes study.json, index.html (one self-contained page without scripts) and the two plots of docs/performance.md as SVG. An interrupted study
+continues where it stopped. Times that the load of other programs spoilt are marked.
 
 Exit codes: 0 done, 1 failure, 2 usage.
 Data goes to stdout, progress and errors to stderr.";
 
 #[derive(Args)]
 pub(super) struct StudyArgs {
-    /// Frames of 160x120, less than three minutes on two cores (the default).
+    /// Draw frames of 160x120: less than three minutes on two cores. This is the default.
     #[arg(long, conflicts_with = "full")]
     quick: bool,
-    /// Frames of 320x240 and a million fragments of each named profile; says beforehand how long it takes.
+    /// Draw frames of 320x240 and measure a million fragments of each named profile. The command first says how long it takes.
     #[arg(long)]
     full: bool,
-    /// Directory to write to; it is made if it is not there.
+    /// Directory to write to; created if missing.
     #[arg(short, long, default_value = "study", value_name = "DIR")]
     output: PathBuf,
-    /// Measure nothing: page, tables and plots of a study.json that is there.
+    /// Measure nothing: write page, tables and plots of this study.json.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["quick", "full"])]
     from: Option<PathBuf>,
-    /// study.json on stdout, too.
+    /// Also print study.json.
     #[arg(long)]
     json: bool,
 }
@@ -66,7 +66,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
     match parts.count() {
         0 if args.full => complain(&sweep::forecast(&settings)?),
         0 => {}
-        kept => complain(&format!("{kept} measurements are there from before; going on")),
+        kept => complain(&format!("{kept} measurements of an interrupted study are kept")),
     }
     let bar = progress(sweep::work(&settings, &points), "");
     let study = sweep::run(&settings, &points, &parts, &|what: &str, done: u64| {
@@ -83,12 +83,12 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
     tell(&study, &written, args.json)
 }
 
-/// What was found, and where it is.
+/// Prints the results and the paths of the written files.
 fn tell(study: &Study, written: &[PathBuf], json: bool) -> Result<(), Failure> {
     let loaded = study.loaded();
     if loaded > 0 {
         complain(&format!(
-            "warning: {loaded} times were found while other programs ran, and are marked; repeat the study on a quiet machine"
+            "warning: {loaded} times were measured while other programs ran, and are marked; repeat the study on a quiet machine"
         ));
     }
     let mut out = io::stdout().lock();
@@ -103,7 +103,7 @@ fn tell(study: &Study, written: &[PathBuf], json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The named profiles: error, picture, and what they take on each clock.
+/// Builds the table of the named profiles: error, picture quality, and cost on each clock.
 fn summary(study: &Study) -> comfy_table::Table {
     let (headings, rows) = report::profiles(study);
     let mut table = super::console::new_table([""]);

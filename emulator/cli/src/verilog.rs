@@ -20,39 +20,39 @@ use super::{Failure, ProfileArg, check_directory, effects, parse_profile};
 
 #[derive(Args)]
 pub(super) struct VerilogArgs {
-    /// Directory; made if it is not there.
+    /// Directory to write to; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     #[arg(long, default_value = "fragment", value_parser = parse_design, value_name = "NAME", help = design_help())]
     design: Design,
-    /// Profile: a name, or a file (TOML).
+    /// Profile: a name or a file (TOML).
     #[arg(long, default_value = "standard", value_parser = parse_profile, value_name = "NAME|FILE")]
     profile: ProfileArg,
     #[arg(long, default_value = "all", value_parser = effects::parse, help = effects::HELP, value_name = "LIST")]
     effects: Effects,
-    /// How the tangent frame is found.
+    /// Tangent basis.
     #[arg(long, default_value = "main", value_parser = effects::parse_frame, value_name = "main|natural|natural-normalised")]
     frame: FrameSystem,
-    /// The datapaths and fetches that the objects of a scene call for, each design in DIR/OBJECT/DESIGN: scene file
-    /// (TOML), or the name of a built-in scene.
+    /// Scene file (TOML) or built-in scene. Designs are the datapaths and fetches that its objects need, each in
+    /// DIR/OBJECT/DESIGN.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["design", "effects", "frame", "stage"])]
     scene: Option<String>,
-    /// Only the modules of this stage (`columns`) or run of it (`columns_pixel`), and what they use.
+    /// Write only the modules of this stage (`columns`) or of this run of it (`columns_pixel`), and what they use.
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
-    /// Most levels of logic between two registers; none has registers between stages only. A level is a gate of two
-    /// inputs; a 32-bit adder has 7.
+    /// Most logic levels between two registers. Without it, registers are between stages only. A level is a gate of two inputs; a
+    /// 32-bit adder has 7.
     #[arg(long, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(1..=1000))]
     depth: Option<u32>,
-    /// Put before the names of modules, so that two designs can be in one project.
+    /// Prefix of module names, so that a project can hold two designs.
     #[arg(long, default_value = "", value_parser = parse_prefix, value_name = "TEXT")]
     prefix: String,
-    /// Summary as JSON.
+    /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
 }
 
-/// Text a Verilog name can start with.
+/// Parses a prefix of Verilog names.
 fn parse_prefix(text: &str) -> Result<String, String> {
     let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
     let first = text.chars().next().is_none_or(letter);

@@ -1,4 +1,4 @@
-//! The main job: the demonstration scenes drawn three ways, judged against supersampling, and a vector set of each.
+//! Draws the demonstration scenes in three modes, compares them with supersampling, and captures fragments of each.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -14,41 +14,41 @@ use roughxel_scene::picture::{PictureError, beside, write_png_srgb};
 use roughxel_scene::{Scene, SceneError};
 use thiserror::Error;
 
-/// The scenes of the demonstration: S97 Fig. 10–13 and 1–2, and the globe of its frame system 3.
+/// Scenes of the demonstration: S97 Fig. 10–13 and 1–2, and the globe of its frame system 3.
 pub(crate) const DEMO_SCENES: [&str; 4] = ["lake", "zebra", "puzzle", "globe"];
 
-/// The three ways each is drawn, left to right in its picture.
+/// Modes in which each scene is drawn, left to right in its picture.
 pub(crate) const DEMO_MODES: [Mode; 3] = [Mode::Unfiltered, Mode::Isotropic, Mode::Footprint];
 
-/// What the pictures are judged against: 64 samples a pixel.
+/// Mode that the pictures are compared with: 64 samples a pixel.
 pub(crate) const DEMO_TRUTH: Mode = Mode::Supersampled { edge: 8 };
 
 /// Most fragments of a frame that become vectors.
 const CAPTURED_FRAGMENTS: usize = 512;
 
-/// Why a scene could not be drawn.
+/// Error of drawing a scene.
 #[derive(Debug, Error)]
 pub enum DrawError {
-    /// The scene.
+    /// The scene cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The camera or the geometry.
+    /// The camera or the geometry does not fit.
     #[error("scene {scene}: {source}")]
     Raster {
         /// Name of the scene.
         scene: String,
-        /// What does not fit.
+        /// Cause.
         source: RasterError,
     },
-    /// The peaks of a map.
+    /// The peaks of a map cannot be fitted.
     #[error("scene {scene}: {source}")]
     Peaks {
         /// Name of the scene.
         scene: String,
-        /// Which object's, and why.
+        /// Object and cause.
         source: ObjectPeakError,
     },
-    /// The picture file.
+    /// The picture file cannot be written.
     #[error(transparent)]
     Picture(#[from] PictureError),
 }
@@ -58,21 +58,21 @@ pub enum DrawError {
 pub(crate) struct DemoScene {
     /// Name.
     pub(crate) name: &'static str,
-    /// The picture written: unfiltered, isotropic, footprint side by side.
+    /// Written picture: unfiltered, isotropic and footprint, side by side.
     pub(crate) picture: PathBuf,
     /// Time and PSNR against [`DEMO_TRUTH`] (dB, linear light, range 1) of each of [`DEMO_MODES`].
     pub(crate) modes: [(Duration, f64); 3],
     /// Time of [`DEMO_TRUTH`].
     pub(crate) truth: Duration,
-    /// Reflecting fragments of the filtered frame, for a vector set; empty where nothing reflects.
+    /// Reflecting fragments of the filtered frame, for a vector set. Empty if nothing reflects.
     pub(crate) captured: Vec<ReflectionIn>,
-    /// Their plan.
+    /// Plan of the captured fragments.
     pub(crate) plan: ReflectionPlan,
-    /// Why fitted peaks were not kept for the next time, if so.
+    /// Reason why fitted peaks could not be kept for the next run, if any.
     pub(crate) not_kept: Option<String>,
 }
 
-/// Draws one scene of the demonstration into `directory`, which exists.
+/// Draws one scene of the demonstration into `directory`, which must exist.
 ///
 /// Fitted peaks are kept in the directory `cache`. `step` is called with the name of the step before each of the four drawings.
 pub(crate) fn demo_scene(
@@ -108,7 +108,7 @@ pub(crate) fn demo_scene(
     write_png_srgb(&picture, &beside(&pictures.each_ref()))?;
 
     let captured = filtered.capture(CAPTURED_FRAGMENTS).map_err(failed)?;
-    // One set has one plan: that of the first reflecting object.
+    // A set has one plan: that of the first reflecting object.
     let plan = captured.first().map_or(ReflectionPlan::FULL, |(_, plan)| *plan);
     let captured = captured.into_iter().filter(|(_, own)| *own == plan).map(|(fragment, _)| fragment).collect();
     let modes = drawings.each_ref().map(|(frame, time)| (*time, frame.psnr(&truth)));

@@ -1,9 +1,10 @@
 //! `eval`: fragments in real numbers through the integer datapath, CSV in, CSV or JSON out.
 //!
-//! Each row is quantised to the profile's ports, goes through the datapath, and comes back in real units with the
-//! block exponents undone, or as the port's integers. Rows are read, evaluated in parallel chunks and written in
-//! order, so memory does not grow with the file. A row of numbers is a line: cells are split at commas here, for
-//! the csv crate's line numbers drift after blank lines and CR LF, and messages must name the right one.
+//! Each row is quantised to the profile's ports and goes through the datapath. The result is in real units with block exponents applied, or
+//! in the integers of the ports. Rows are read, evaluated in parallel chunks and written in order, so memory does not grow with the file.
+//!
+//! A row of numbers is a line. Cells are split at commas here, because messages must name the right line: the line numbers of the csv crate
+//! drift after blank lines and CR LF.
 
 use std::fmt::Write as _;
 use std::io::{self, BufRead, Read, Write};
@@ -18,7 +19,7 @@ use roughxel_core::setup::{block_vector, offset, scale_by_power_of_two};
 use roughxel_core::status::StatusBit;
 use thiserror::Error;
 
-/// Columns of the input; the first [`REQUIRED`] must be there.
+/// Columns of the input. The first [`REQUIRED`] are required.
 pub(crate) const INPUT_COLUMNS: [&str; 27] = [
     "nx", "ny", "nz", "vx", "vy", "vz", // n, v
     "hx", "hy", "hz", // h
@@ -28,42 +29,43 @@ pub(crate) const INPUT_COLUMNS: [&str; 27] = [
     "size",
 ];
 
-/// How many of [`INPUT_COLUMNS`] are required.
+/// Number of [`INPUT_COLUMNS`] that are required.
 pub(crate) const REQUIRED: usize = 6;
 
 const MAIN_DIRECTION: std::ops::Range<usize> = 6..9;
 const OFFSETS: std::ops::Range<usize> = 9..14;
 const SIZE: usize = 26;
 
-/// Rows read at once, and rows of one parallel task.
+/// Rows read at once.
 const BATCH: usize = 1 << 14;
+/// Rows of one parallel task.
 const TASK: usize = 1 << 8;
-/// Longest line.
+/// Most characters of a line.
 const MAX_LINE: u64 = 1 << 16;
 
-/// How `eval` runs and what it writes.
+/// Options of `eval`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EvalOptions {
     /// Profile.
     pub(crate) precision: Precision,
     /// Effects that are on.
     pub(crate) plan: ReflectionPlan,
-    /// Integers of the ports instead of real units.
+    /// True for the integers of the ports instead of real units.
     pub(crate) raw: bool,
-    /// A JSON array of objects, one a line, instead of CSV.
+    /// True for a JSON array with one object per line instead of CSV.
     pub(crate) json: bool,
 }
 
-/// What can be wrong with an input; every message names the source and the line.
+/// Error in an input. Every message names the source and the line.
 #[derive(Debug, Error)]
 pub(crate) enum EvalError {
-    /// No header row at all.
+    /// The input has no header row.
     #[error("{source_name}: empty; the first line names the columns, at least nx, ny, nz, vx, vy, vz")]
     Empty {
         /// The input.
         source_name: String,
     },
-    /// A required column is not there.
+    /// A required column is missing.
     #[error("{source_name}:{line}: missing column{}: {}", if .columns.len() == 1 { "" } else { "s" }, .columns.join(", "))]
     MissingColumns {
         /// The input.
@@ -73,7 +75,7 @@ pub(crate) enum EvalError {
         /// Missing names.
         columns: Vec<&'static str>,
     },
-    /// A column nobody knows.
+    /// The header has an unknown column.
     #[error("{source_name}:{line}: unknown column `{column}`; known are {}", INPUT_COLUMNS.join(", "))]
     UnknownColumn {
         /// The input.
@@ -83,7 +85,7 @@ pub(crate) enum EvalError {
         /// Its name.
         column: String,
     },
-    /// A column named twice.
+    /// The header names a column twice.
     #[error("{source_name}:{line}: column `{column}` is there twice")]
     DuplicateColumn {
         /// The input.
@@ -93,7 +95,7 @@ pub(crate) enum EvalError {
         /// Its name.
         column: &'static str,
     },
-    /// A row with more or fewer values than the header.
+    /// A row has more or fewer values than the header.
     #[error("{source_name}:{line}: {found} values, but the header names {expected} columns")]
     RowLength {
         /// The input.
@@ -105,7 +107,7 @@ pub(crate) enum EvalError {
         /// Columns of the header.
         expected: usize,
     },
-    /// A value that cannot be used.
+    /// A value cannot be used.
     #[error("{source_name}:{line}: column `{column}`: `{value}` {problem}")]
     Value {
         /// The input.
@@ -114,17 +116,17 @@ pub(crate) enum EvalError {
         line: u64,
         /// Column.
         column: &'static str,
-        /// The text found.
+        /// Text of the value.
         value: String,
-        /// What is wrong, and what would be right.
+        /// Problem and remedy.
         problem: &'static str,
     },
-    /// A line no row of numbers has.
+    /// A line is too long for a row of numbers.
     #[error("{source_name}:{line}: longer than {MAX_LINE} characters")]
     LineLength {
         /// The input.
         source_name: String,
-        /// The line.
+        /// Number of the line.
         line: u64,
     },
     /// The input cannot be read.
@@ -132,7 +134,7 @@ pub(crate) enum EvalError {
     Read {
         /// The input.
         source_name: String,
-        /// Why.
+        /// Cause.
         source: io::Error,
     },
     /// The output cannot be written.
@@ -142,9 +144,9 @@ pub(crate) enum EvalError {
 
 /// Evaluates every row of `input` into `output` and returns how many there were.
 ///
-/// `source_name` stands for the input in messages. Output columns have fixed names and order, see [`visit`].
+/// `source_name` names the input in messages. Output columns have fixed names and order, see [`visit`].
 ///
-/// Errors: see [`EvalError`]; rows before the faulty one may have been written.
+/// Errors: see [`EvalError`]. Rows before the faulty row may have been written.
 pub(crate) fn evaluate(
     input: impl Read,
     source_name: &str,
@@ -173,7 +175,7 @@ pub(crate) fn evaluate(
             batch.par_chunks(TASK).map(|rows| evaluate_rows(rows, &columns, source_name, options)).collect();
         for (task, text) in texts.into_iter().enumerate() {
             let text = text?;
-            // Objects are written with the comma that separates them from the one before.
+            // Each object begins with the comma that separates it from the previous object.
             let first = options.json && rows == 0 && task == 0;
             output.write_all(&text.as_bytes()[usize::from(first)..]).map_err(EvalError::Write)?;
         }
@@ -191,7 +193,7 @@ struct Row {
 }
 
 impl Row {
-    /// The cells, without the white space and the pair of quotes around them.
+    /// Cells without surrounding white space and without one pair of quotes.
     fn cells(&self) -> impl Iterator<Item = &[u8]> {
         self.text.split(|&c| c == b',').map(|cell| {
             let cell = cell.trim_ascii();
@@ -200,7 +202,7 @@ impl Row {
     }
 }
 
-/// The rows of a text, counted by line.
+/// Reader of rows that counts lines.
 struct Lines<'a, R> {
     input: R,
     source_name: &'a str,
@@ -208,7 +210,7 @@ struct Lines<'a, R> {
 }
 
 impl<R: BufRead> Lines<'_, R> {
-    /// The next row: blank lines and comments are passed over, and a byte order mark before the first line.
+    /// Reads the next row. Blank lines, comments and a leading byte order mark are skipped.
     fn next_row(&mut self) -> Result<Option<Row>, EvalError> {
         loop {
             let mut text = Vec::new();
@@ -232,7 +234,7 @@ impl<R: BufRead> Lines<'_, R> {
     }
 }
 
-/// Where each value of a row goes: the index into [`INPUT_COLUMNS`] for each place.
+/// Columns of a header: the index into [`INPUT_COLUMNS`] for each place.
 struct Columns {
     of_place: Vec<usize>,
     defaults: [f64; INPUT_COLUMNS.len()],
@@ -267,7 +269,7 @@ impl Columns {
         Ok(Self { of_place, defaults })
     }
 
-    /// The numbers of a row in the order of [`INPUT_COLUMNS`].
+    /// Reads the numbers of a row in the order of [`INPUT_COLUMNS`].
     fn values(&self, row: &Row, source_name: &str) -> Result<[f64; INPUT_COLUMNS.len()], EvalError> {
         let line = row.line;
         let source = || source_name.to_string();
@@ -289,12 +291,12 @@ impl Columns {
     }
 }
 
-/// Text for a message: at most 40 characters, whatever the bytes were.
+/// Makes text for a message from any bytes: at most 40 characters.
 fn shown(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).chars().take(40).collect()
 }
 
-/// The number in a cell of that column, or what is wrong with it.
+/// Parses the number in a cell of a column. The error says what is wrong.
 fn number(cell: &[u8], column: usize) -> Result<f64, &'static str> {
     let text = std::str::from_utf8(cell).map_err(|_| "is not a number")?;
     let x: f64 = text.parse().map_err(|_| "is not a number")?;
@@ -310,7 +312,7 @@ fn number(cell: &[u8], column: usize) -> Result<f64, &'static str> {
     Ok(x)
 }
 
-/// The ports of a row of numbers in the order of [`INPUT_COLUMNS`].
+/// Makes the ports of a row of numbers in the order of [`INPUT_COLUMNS`].
 pub(crate) fn fragment(values: &[f64; INPUT_COLUMNS.len()], p: &Precision) -> ReflectionIn {
     let vector = |first: usize| block_vector(dvec3(values[first], values[first + 1], values[first + 2]), p);
     ReflectionIn {
@@ -346,19 +348,19 @@ fn evaluate_rows(
     Ok(text)
 }
 
-/// One number of the result.
+/// Number of the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Value {
-    /// A port's integer, a count, or the word of status bits.
+    /// Integer of a port, a count, or the word of status bits.
     Integer(i32),
-    /// Real units.
+    /// Value in real units.
     Real(f64),
 }
 
 /// Calls `sink` with name and value of every column of the result, in order.
 ///
-/// `raw`: the ports' integers, mantissas in units of 2^−30, offsets and steps of 2^−28, the level of detail of
-/// 2^−16, and one more column `NAME_e` after each block, its exponent.
+/// With `raw`, values are the integers of the ports: mantissas in units of 2^−30, offsets and steps of 2^−28, the level of detail of 2^−16.
+/// After each block comes a column `NAME_e` with its exponent.
 pub(crate) fn visit(input: &ReflectionIn, output: &ReflectionOut, raw: bool, sink: impl FnMut(&'static str, Value)) {
     let mut to = Visitor { raw, sink };
     let i = input;
@@ -399,7 +401,7 @@ impl<F: FnMut(&'static str, Value)> Visitor<F> {
         (self.sink)(name, Value::Integer(count));
     }
 
-    /// `bits · 2^exponent`.
+    /// Passes on `bits · 2^exponent`.
     fn scaled(&mut self, name: &'static str, bits: i32, exponent: i32) {
         let real = || Value::Real(scale_by_power_of_two(f64::from(bits), exponent));
         (self.sink)(name, if self.raw { Value::Integer(bits) } else { real() });
@@ -434,7 +436,7 @@ impl<F: FnMut(&'static str, Value)> Visitor<F> {
     }
 }
 
-/// The header line of the CSV result.
+/// Makes the header line of the CSV result.
 fn header(options: &EvalOptions) -> String {
     let mut line = String::new();
     visit(&ReflectionIn::default(), &ReflectionOut::default(), options.raw, |name, _| {
@@ -469,8 +471,9 @@ fn write_json(text: &mut String, input: &ReflectionIn, output: &ReflectionOut, o
     let _ = write!(text, "\"status_names\":[{}]}}", names.join(","));
 }
 
-/// A real number has 17 significant digits, which is enough to get the same double back. A result beyond the range
-/// of a double (|r| grows with |n|²·|v|) is infinite; `beyond` stands for it where there is no word for that.
+/// Writes a value. A real number has 17 significant digits, so that it reads back as the same double.
+///
+/// A result beyond the range of a double (|r| grows with |n|²·|v|) is infinite. It is written as `beyond`, unless `beyond` is empty.
 fn write_value(text: &mut String, value: Value, beyond: &str) {
     let _ = match value {
         Value::Integer(x) => write!(text, "{x}"),

@@ -1,4 +1,4 @@
-//! What a column changes in a scene, so that one effect can be seen by its absence.
+//! Changes that a column makes to a scene, so that an effect shows by its absence.
 
 use std::sync::Arc;
 
@@ -13,18 +13,18 @@ use roughxel_shader::Effect;
 /// A change before drawing.
 #[derive(Clone, Copy, Debug)]
 pub enum Change {
-    /// None.
+    /// No change.
     Nothing,
-    /// Of the scene.
+    /// Change of the scene.
     Scene(fn(&mut Scene)),
-    /// Of the profile.
+    /// Change of the profile.
     Profile(fn(&mut Precision)),
-    /// The plan of every object loses an effect.
+    /// Removal of an effect from the plan of every object.
     Without(Effect),
 }
 
 impl Change {
-    /// Makes the change of scene or profile; plans are made after it.
+    /// Applies the change to scene or profile. Plans are made afterwards.
     pub fn apply(self, scene: &mut Scene, precision: &mut Precision) {
         match self {
             Self::Nothing | Self::Without(_) => {}
@@ -34,7 +34,7 @@ impl Change {
     }
 }
 
-/// Neither colour maps nor bumps: the smooth surface. Peaks of a bump map become one peak along the normal.
+/// Removes colour maps and bumps, which leaves the smooth surface. Peaks of a bump map become one peak along the normal.
 pub fn no_texture(scene: &mut Scene) {
     for object in &mut scene.objects {
         let material = &mut object.material;
@@ -48,7 +48,7 @@ pub fn no_texture(scene: &mut Scene) {
     }
 }
 
-/// Given peaks become one of the first's amplitude and exponent along the normal.
+/// Replaces given peaks with one along the normal, with amplitude and exponent of the first.
 pub fn single_normal(scene: &mut Scene) {
     for peaks in scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut()) {
         if let PeakSource::Given(given) = &mut peaks.source {
@@ -58,19 +58,19 @@ pub fn single_normal(scene: &mut Scene) {
     }
 }
 
-/// Bumps that hide each other neither from light nor from eye.
+/// Removes shadowing: bumps hide each other neither from the light nor from the eye.
 pub fn no_shadowing(scene: &mut Scene) {
     scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut()).for_each(|p| p.shadowing = None);
 }
 
-/// Footprints of reflections on the plane of a face, however rough a surface is (W97).
+/// Puts footprints of reflections on the plane of a cube face for any roughness (W97).
 pub fn footprints_on_a_face(scene: &mut Scene) {
     for object in &mut scene.objects {
         object.material.footprint = Some(FootprintPlace::Face);
     }
 }
 
-/// Shares of light and eye that are multiplied, where there are any.
+/// Multiplies the shares of light and eye, if there is shadowing.
 pub fn product_of_shares(scene: &mut Scene) {
     let peaks = scene.objects.iter_mut().filter_map(|object| object.material.peaks.as_mut());
     for shadowing in peaks.filter_map(|peaks| peaks.shadowing.as_mut()) {
@@ -78,12 +78,12 @@ pub fn product_of_shares(scene: &mut Scene) {
     }
 }
 
-/// Blinn-Phong, which knows no roughness.
+/// Uses Blinn-Phong highlights, which ignore roughness.
 pub fn plain_highlight(scene: &mut Scene) {
     highlight_form(scene, HighlightForm::Plain);
 }
 
-/// The formula as printed in S97, Appendix A.
+/// Uses the highlight formula as printed in S97, Appendix A.
 pub fn printed_highlight(scene: &mut Scene) {
     highlight_form(scene, HighlightForm::Printed);
 }
@@ -93,8 +93,9 @@ fn highlight_form(scene: &mut Scene, form: HighlightForm) {
     scene.objects.iter_mut().filter_map(|object| object.material.highlight.as_mut()).for_each(set);
 }
 
-/// S97's frame system 1: p_u and p_v with their lengths, which shrink towards a pole. Offsets become slopes per unit of u and v,
-/// heights the same as before where p_u and p_v are longest.
+/// Uses frame system 1 of S97: p_u and p_v with their lengths, which shrink towards a pole.
+///
+/// Offsets become slopes per unit of u and v. Heights do not change at the place where p_u and p_v are longest.
 pub fn natural_frame(scene: &mut Scene) {
     for object in &mut scene.objects {
         let longest = |length: fn(&Vertex) -> f64| object.mesh.vertices.iter().map(length).fold(0.0, f64::max) as f32;
@@ -108,7 +109,7 @@ pub fn natural_frame(scene: &mut Scene) {
     }
 }
 
-/// S97's frame system 2: p_u and p_v without their lengths.
+/// Uses frame system 2 of S97: p_u and p_v without their lengths.
 pub fn natural_normalised_frame(scene: &mut Scene) {
     scene.objects.iter_mut().for_each(|object| object.material.frame = FrameSystem::NaturalNormalised);
 }

@@ -1,4 +1,4 @@
-//! Draws the columns of a scene, and measures how long it takes.
+//! Draws the columns of a scene and measures the time.
 
 use std::fs;
 use std::path::Path;
@@ -19,22 +19,22 @@ use super::prepared::{self, prepare, render};
 use super::{reference, table};
 use crate::demo::DrawError;
 
-/// A column is drawn again until this much time has gone into it, or [`MOST_DRAWINGS`] times.
+/// Drawing time after which a column is not drawn again. [`MOST_DRAWINGS`] is the other limit.
 const ENOUGH_TIME: Duration = Duration::from_millis(400);
 /// Most drawings of a column.
 const MOST_DRAWINGS: u32 = 5;
 
-/// Progress steps of [`draw_scene`]: samples a pixel, for every tile of every picture.
+/// Counts the progress steps of [`draw_scene`]: samples a pixel for every tile of every picture.
 pub fn work(entry: &Entry, settings: &Settings) -> u64 {
     let [width, height] = settings.size;
     let samples: u32 = entry.columns.iter().map(|column| column.mode.samples_edge().pow(2)).sum();
     tiles(width, height).count() as u64 * u64::from(samples + settings.reference_edge.pow(2))
 }
 
-/// Draws a scene of the gallery: a picture and a difference for each column, the reference, and all of them side by side,
-/// into a directory of its name below `directory`, which is made if it is not there.
+/// Draws a scene of the gallery: a picture and a difference for each column, the reference, and all pictures side by side.
 ///
-/// `progress` is called with what is being drawn and how many of the [`work`] steps are done, from any thread.
+/// Files go to a directory with the name of the scene below `directory`, created if missing. `progress` is called from any thread, with the
+/// name of what is drawn and the number of [`work`] steps done.
 pub fn draw_scene(
     entry: &'static Entry,
     settings: &Settings,
@@ -70,7 +70,7 @@ pub fn draw_scene(
         progress(&name, 0);
         let (mut changed, mut precision) = (scene.clone(), settings.precision);
         column.change.apply(&mut changed, &mut precision);
-        // Another scene may have other peaks.
+        // A changed scene may have different peaks.
         let own_peaks =
             matches!(column.change, Change::Scene(_)).then(|| prepared::peaks(&changed, settings)).transpose()?;
         let mut maps = prepare(&changed, column.mode, &precision, own_peaks.as_ref().unwrap_or(&peaks))?;
@@ -108,7 +108,7 @@ pub fn draw_scene(
     Ok(DrawnScene { entry, columns, reference, side_by_side, plan, not_kept })
 }
 
-/// Draws, and measures how long it takes; only the first drawing shows in the progress.
+/// Draws several times and measures the fastest. Only the first drawing counts as progress.
 fn timed(scene: &Scene, prepared: &Prepared<'_>, progress: &(dyn Fn() + Sync)) -> Result<(Frame, Duration), DrawError> {
     let begin = Instant::now();
     let frame = render(scene, prepared, progress)?;
@@ -124,7 +124,7 @@ fn timed(scene: &Scene, prepared: &Prepared<'_>, progress: &(dyn Fn() + Sync)) -
     Ok((frame, fastest))
 }
 
-/// Every effect of every object, on or off, with the reason.
+/// Lists every effect of every object, on or off, with the reason.
 fn plan_text(scene: &Scene, prepared: &Prepared<'_>) -> String {
     let mut text = String::new();
     for (object, decisions) in scene.objects.iter().zip(prepared.decisions()) {

@@ -1,4 +1,4 @@
-//! How scenes are drawn, and what is known of them afterwards.
+//! Settings of a gallery, and results of drawing it.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use super::entry::{Column, Entry};
 use super::table;
 use crate::demo::DrawError;
 
-/// How a gallery is drawn.
+/// Settings of a gallery.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Size of each picture, pixels.
@@ -22,25 +22,25 @@ pub struct Settings {
     pub reference_edge: u32,
     /// Profile of the columns.
     pub precision: Precision,
-    /// Where fitted peaks are kept from run to run, if they are.
+    /// Directory that keeps fitted peaks between runs, if any.
     pub cache: Option<PathBuf>,
 }
 
 impl Settings {
-    /// Whether the reference can judge what is drawn in a mode: a picture of as many samples as the reference would be judged against
-    /// itself, and one of more against something worse.
+    /// Returns true if the reference can judge a picture in this mode. A picture with as many samples would be compared with itself, and one
+    /// with more samples with something worse.
     pub fn judges(&self, mode: Mode) -> bool {
         mode.filters() || mode.samples_edge() < self.reference_edge
     }
 }
 
-/// Why a gallery could not be drawn.
+/// Error of drawing a gallery.
 #[derive(Debug, Error)]
 pub enum GalleryError {
-    /// A scene or a picture of it.
+    /// A scene or its picture failed.
     #[error(transparent)]
     Draw(#[from] DrawError),
-    /// A directory, the page or a kept reference.
+    /// A directory, the page or a kept reference cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
 }
@@ -51,38 +51,38 @@ impl From<PictureError> for GalleryError {
     }
 }
 
-/// A scene that has been drawn.
+/// A drawn scene.
 #[derive(Clone, Debug)]
 pub struct DrawnScene {
-    /// Its entry.
+    /// Entry of the scene.
     pub entry: &'static Entry,
-    /// Its columns, in the order of the entry.
+    /// Columns in the order of the entry.
     pub columns: Vec<DrawnColumn>,
-    /// What they were judged against.
+    /// Reference of the columns.
     pub reference: DrawnReference,
-    /// All columns and the reference in a row.
+    /// Picture of all columns and the reference in a row.
     pub side_by_side: PathBuf,
-    /// Every effect of each object in the filtered picture, and why it is on or off.
+    /// Effects of each object in the filtered picture, on or off, with the reason.
     pub plan: String,
-    /// Why fitted peaks were not kept for the next time, if so.
+    /// Reason why fitted peaks could not be kept for the next run, if any.
     pub not_kept: Option<String>,
 }
 
-/// A column that has been drawn.
+/// A drawn column.
 #[derive(Clone, Debug)]
 pub struct DrawnColumn {
-    /// What was drawn.
+    /// Column that was drawn.
     pub column: Column,
-    /// Its picture.
+    /// Picture of the column.
     pub picture: PathBuf,
     /// Signed error against the reference: [`difference`](roughxel_scene::picture::difference).
     pub difference: PathBuf,
-    /// Time of drawing, the fastest of some.
+    /// Time of the fastest drawing.
     pub time: Duration,
-    /// Peak signal to noise ratio against the reference, dB: [`Frame::psnr`](roughxel_frame::Frame::psnr); none where the reference
-    /// has no more samples a pixel than the column ([`Settings::judges`]).
+    /// Peak signal-to-noise ratio against the reference in dB: [`Frame::psnr`](roughxel_frame::Frame::psnr). `None` if the reference has no
+    /// more samples a pixel than the column ([`Settings::judges`]).
     pub psnr: Option<f64>,
-    /// Similarity to the reference: [`ssim`](roughxel_scene::picture::ssim); none as for `psnr`, and for pictures smaller than its window.
+    /// Similarity to the reference: [`ssim`](roughxel_scene::picture::ssim). `None` as for `psnr`, and for pictures smaller than its window.
     pub ssim: Option<f64>,
     /// Digest of the frame: [`Frame::digest`](roughxel_frame::Frame::digest).
     pub digest: String,
@@ -91,19 +91,19 @@ pub struct DrawnColumn {
 /// The reference of a scene.
 #[derive(Clone, Debug)]
 pub struct DrawnReference {
-    /// Its picture.
+    /// Picture of the reference.
     pub picture: PathBuf,
-    /// Time of drawing; none where it was kept from an earlier run.
+    /// Time of drawing. `None` if an earlier run drew it.
     pub time: Option<Duration>,
 }
 
 impl DrawnScene {
-    /// The column of that label, if the scene has it.
+    /// Finds the column with a label.
     pub fn column(&self, label: &str) -> Option<&DrawnColumn> {
         self.columns.iter().find(|drawn| drawn.column.label == label)
     }
 
-    /// Time of a column in times of the unfiltered one.
+    /// Time of a column divided by that of the unfiltered column.
     pub fn ratio(&self, drawn: &DrawnColumn) -> Option<f64> {
         self.column(table::UNFILTERED.label).map(|base| drawn.time.as_secs_f64() / base.time.as_secs_f64())
     }

@@ -1,4 +1,4 @@
-//! What the gallery shows: scenes with columns, each a way to draw.
+//! Entries of the gallery: scenes with columns. A column is a way to draw.
 
 use roughxel_frame::plan::Mode;
 
@@ -9,27 +9,27 @@ use super::change::Change;
 pub struct Entry {
     /// Name of a built-in scene.
     pub name: &'static str,
-    /// The picture of the papers it stands for.
+    /// Picture of the papers that the scene stands for.
     pub source: &'static str,
-    /// What it shows, one sentence.
+    /// One sentence about what the scene shows.
     pub shows: &'static str,
-    /// How it is drawn, left to right; [`UNFILTERED`](super::table::UNFILTERED) is among them, labels differ.
+    /// Columns, left to right. [`UNFILTERED`](super::table::UNFILTERED) is among them, and labels differ.
     pub columns: &'static [Column],
 }
 
 /// A way to draw a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    /// What stands above the picture; its file name, with `-` for what is neither letter nor digit.
+    /// Label above the picture. The file name is the label with `-` for other characters than letters and digits.
     pub label: &'static str,
     /// Sampling and filtering.
     pub mode: Mode,
-    /// What is changed before.
+    /// Change before drawing.
     pub change: Change,
 }
 
 impl Column {
-    /// File name of its picture, without an extension.
+    /// File name of the picture, without extension.
     pub(super) fn stem(&self) -> String {
         self.label.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' }).collect()
     }

@@ -1,4 +1,4 @@
-//! The page: one HTML file that needs nothing beside it ([`roughxel_html_report`]).
+//! The page: one self-contained HTML file ([`roughxel_html_report`]).
 
 use std::fmt::{self, Display};
 use std::fs;
@@ -12,12 +12,12 @@ use roughxel_utilities::output::write_files;
 use super::drawn::{DrawnScene, GalleryError, Settings};
 use super::table::{FILTERED, NO_TEXTURE, SAMPLES_16, UNFILTERED};
 
-/// What stands in place of a figure where [`Settings::judges`] says no.
+/// Text in place of a figure if [`Settings::judges`] is false.
 const NOT_JUDGED: &str = "not judged: the reference has no more samples a pixel";
 
-/// Writes `index.html` into `directory`: the scenes with their pictures, figures and plans. Gives its path.
+/// Writes `index.html` into `directory`: the scenes with their pictures, figures and plans. Returns its path.
 ///
-/// Errors: a picture that [`super::draw_scene`] wrote is no longer there, or the page cannot be written.
+/// Errors: a picture that [`super::draw_scene`] wrote is gone, or the page cannot be written.
 pub fn write_page(
     scenes: &[DrawnScene],
     settings: &Settings,
@@ -51,7 +51,7 @@ fn page(scenes: &[DrawnScene], settings: &Settings, profile: &str) -> Result<Str
     Ok(page.finish())
 }
 
-/// F92's table of four columns for every scene, with a link to each.
+/// Adds the table of F92 with four columns, for every scene, with a link to each.
 fn overview(page: &mut Page, scenes: &[DrawnScene]) {
     page.add(format_args!(
         "<p class=\"soft\">Times as in the table of F92, §3. There, filtered takes 1.55 to 2.40 times as long as unfiltered, and 16 \
@@ -91,7 +91,7 @@ fn section(page: &mut Page, scene: &DrawnScene, size: [u32; 2]) -> Result<(), Ga
         let caption = drawn.psnr.map_or(NOT_JUDGED.into(), |psnr| format!("{} against the reference", Decibel(psnr)));
         figure(page, &drawn.picture, size, scene.entry.name, drawn.column.label, &caption)?;
     }
-    figure(page, &scene.reference.picture, size, scene.entry.name, "reference", "what the others are judged against")?;
+    figure(page, &scene.reference.picture, size, scene.entry.name, "reference", "the columns are compared with it")?;
 
     page.add(format_args!("</div>\n<div class=\"scroll\">\n<table>\n<thead>\n<tr>"));
     for heading in ["column", "time", "÷ unfiltered", "PSNR", "SSIM"] {

@@ -1,4 +1,4 @@
-//! Scenes of the gallery with their maps.
+//! Scenes of the gallery, prepared with their maps.
 
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
@@ -9,13 +9,13 @@ use roughxel_scene::Scene;
 use super::drawn::Settings;
 use crate::demo::DrawError;
 
-/// The peaks of a scene's maps, for all modes.
+/// Fits or reads the peaks of a scene's maps, for all modes.
 pub(super) fn peaks(scene: &Scene, settings: &Settings) -> Result<ScenePeaks, DrawError> {
     ScenePeaks::new(scene, true, settings.cache.as_deref(), &|_| ())
         .map_err(|source| DrawError::Peaks { scene: scene.name.clone(), source })
 }
 
-/// A scene with its maps.
+/// Builds the maps of a scene.
 pub(super) fn prepare<'a>(
     scene: &'a Scene,
     mode: Mode,
@@ -26,7 +26,7 @@ pub(super) fn prepare<'a>(
         .map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })
 }
 
-/// Draws once.
+/// Draws a prepared scene once.
 pub(super) fn render(scene: &Scene, prepared: &Prepared<'_>, progress: &(dyn Fn() + Sync)) -> Result<Frame, DrawError> {
     prepared.render(progress).map_err(|source| DrawError::Raster { scene: scene.name.clone(), source })
 }

@@ -1,9 +1,8 @@
-//! The reference of a scene, and its file between runs.
+//! Reference of a scene, and its file between runs.
 //!
 //! A file `KEY.frame` is `roughxel frame KEY DIGEST`, a line end, then width, height and the channels as big-endian 32-bit words. KEY is the
-//! SHA-256 of everything the frame depends on: text of the scene, size, samples, version of the program, and the digest of the
-//! same frame with one sample a pixel, so that a program that computes other pixels finds no file of its own. Whatever does not have its length,
-//! its key and its digest is drawn again.
+//! SHA-256 of everything that the frame depends on: text of the scene, size, samples, program version, and the digest of the same frame with one
+//! sample a pixel. A program that computes different pixels thus has a different key. A file with a wrong length, key or digest is drawn again.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -22,13 +21,13 @@ use sha2::{Digest, Sha256};
 use super::drawn::{GalleryError, Settings};
 use super::prepared::{prepare, render};
 
-/// Directory of the files, below that of the gallery.
+/// Directory of the files, below the directory of the gallery.
 const DIRECTORY: &str = ".reference";
 
-/// What the profile of the columns is not allowed to blur.
+/// Profile of the reference, independent of that of the columns.
 const PROFILE: Precision = Precision::PRECISE;
 
-/// The reference of a scene of the built-in name `name`, and the time it took to draw; no time if it was found.
+/// Draws or reads the reference of the built-in scene `name`. The drawing time is `None` if a file was read.
 pub(super) fn reference(
     scene: &Scene,
     name: &str,
@@ -52,7 +51,7 @@ pub(super) fn reference(
     Ok((frame, Some(time)))
 }
 
-/// 64 hexadecimal digits.
+/// Makes the key of a reference, 64 hexadecimal digits.
 fn key(scene: &Scene, name: &str, peaks: &ScenePeaks, settings: &Settings) -> Result<String, GalleryError> {
     let once = render(scene, &prepare(scene, Mode::Unfiltered, &PROFILE, peaks)?, &|| ())?.digest();
     let [width, height] = settings.size.map(|edge| edge.to_string());
@@ -85,13 +84,13 @@ fn write(path: &Path, key: &str, frame: &Frame) -> io::Result<()> {
     file.commit()
 }
 
-/// The frame of a file, if it is whole and the one asked for.
+/// Reads the frame of a file, if the file is whole and has the key.
 fn read(path: &Path, key: &str, size: [u32; 2]) -> Option<Frame> {
     let [width, height] = size;
     let pixels = width as usize * height as usize;
     let header_bytes = header(key, &"0".repeat(64)).len();
     let bytes = header_bytes + 4 * (2 + 3 * pixels);
-    // Before memory is taken.
+    // The length is checked before memory is allocated.
     if fs::metadata(path).ok()?.len() != bytes as u64 {
         return None;
     }

@@ -1,4 +1,4 @@
-//! The scenes of the gallery and their columns: the papers' pictures, one entry each.
+//! Scenes of the gallery and their columns: one entry for each picture of the papers.
 
 use roughxel_frame::plan::Mode;
 use roughxel_shader::Effect;
@@ -9,13 +9,13 @@ use super::change::{
 };
 use super::entry::{Column, Entry};
 
-/// One sample a pixel: what times are compared with.
+/// One sample a pixel. Times are compared with it.
 pub const UNFILTERED: Column = plain("unfiltered", Mode::Unfiltered);
-/// The footprint, the default.
+/// The footprint filter, the default.
 pub const FILTERED: Column = plain("filtered", Mode::Footprint);
 /// F92's supersampling.
 pub const SAMPLES_16: Column = plain("16 samples", Mode::Supersampled { edge: 4 });
-/// The label of a smooth surface of one colour: F92's first column.
+/// Label of a smooth surface of one colour, the first column of F92.
 pub const NO_TEXTURE: &str = "no texture";
 
 /// One trilinear probe.
@@ -25,26 +25,26 @@ const ISOTROPIC_ROUGHNESS: Change = Change::Profile(isotropic_roughness);
 
 /// The first column of F92's table of times.
 const SMOOTH: Column = Column { label: NO_TEXTURE, mode: Mode::Unfiltered, change: Change::Scene(no_texture) };
-/// The peaks of a multiple surface as one.
+/// One normal in place of the peaks of a multiple surface.
 const SINGLE_NORMAL: Column = changed("single normal", Change::Scene(single_normal));
 const NO_SHADOWING: Column = changed("without shadowing", Change::Scene(no_shadowing));
 
-/// W97's own.
+/// Footprints on a cube face, as in W97.
 const ON_A_FACE: Column = changed("on a face", Change::Scene(footprints_on_a_face));
 
-/// F92's own.
+/// Product of shares, as in F92.
 const PRODUCT_OF_SHARES: Column = changed("product of shares", Change::Scene(product_of_shares));
 
 const fn plain(label: &'static str, mode: Mode) -> Column {
     Column { label, mode, change: Change::Nothing }
 }
 
-/// The filtered picture of a changed scene.
+/// Makes the filtered column of a changed scene.
 const fn changed(label: &'static str, change: Change) -> Column {
     Column { label, mode: Mode::Footprint, change }
 }
 
-/// Every scene, in the order of the page.
+/// All scenes, in the order of the page.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         name: "puzzle",
@@ -187,7 +187,7 @@ pub const ENTRIES: &[Entry] = &[
     },
 ];
 
-/// The entry of that name.
+/// Finds the entry with a name.
 pub fn entry(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.name == name)
 }
@@ -220,7 +220,7 @@ mod tests {
             }
             let files: HashSet<String> = entry.columns.iter().map(Column::stem).collect();
             assert_eq!(files.len(), entry.columns.len(), "{}", entry.name);
-            // Files of the scene beside its columns.
+            // The scene has other files with these names.
             assert!(!files.contains("reference") && !files.contains("side-by-side"), "{}", entry.name);
             assert!(!files.iter().any(|stem| stem.starts_with("difference-")), "{}", entry.name);
         }

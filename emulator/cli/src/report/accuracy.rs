@@ -15,13 +15,13 @@ use crate::{Failure, Profiles, parse_profiles};
 
 #[derive(Args)]
 pub(crate) struct AccuracyArgs {
-    /// Random fragments, beside the hard cases.
+    /// Random fragments, in addition to the hard cases.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(super) fragments: u64,
-    /// Profile: a name, a file (TOML), or `all`.
+    /// Profile: a name, a file (TOML) or `all`.
     #[arg(long, default_value = "all", value_parser = parse_profiles, value_name = "NAME|FILE|all")]
     pub(super) profile: Profiles,
-    /// Table as JSON.
+    /// Print the table as JSON.
     #[arg(long)]
     pub(super) json: bool,
 }
@@ -51,8 +51,9 @@ pub(super) fn run(args: &AccuracyArgs) -> Result<(), Failure> {
     Err(Failure::Mismatch(format!("a bar is missed in {}", names.join(", "))))
 }
 
-/// The worst fragment of each figure as a row for `roughxel eval`, under the names of the columns. Its main
-/// direction stands for the tangents of the sets with natural frames.
+/// Lists the worst fragment of each figure as a row for `roughxel eval`, with a header of columns.
+///
+/// For sets with natural tangents, the row has the main direction in their place.
 fn worst_fragments(accuracy: &Accuracy) -> String {
     let mut text = format!("worst fragments, for `roughxel eval`:\n{}\n", INPUT_COLUMNS.join(","));
     for (figure, name) in FIGURES {
