@@ -51,7 +51,7 @@ enum Command {
     /// Draw a scene.
     #[command(after_help = CONVENTIONS)]
     Render(render::RenderArgs),
-    /// Export and verify golden vectors.
+    /// Export and verify golden vectors, and check devices with them.
     #[command(subcommand)]
     Vectors(vectors::VectorsCommand),
     /// Run fragments given in real numbers through the datapath.

@@ -58,7 +58,7 @@ pub(super) enum VectorsCommand {
     /// Print the field tables of vectors/FORMAT.md, as the datapaths declare their ports.
     #[command(long_about = format::LONG_HELP)]
     Format(format::FormatArgs),
-    /// Write the tables of the arithmetic as hex files. vectors/SPEC.md describes them.
+    /// Write the tables of the arithmetic, described in vectors/SPEC.md, as hex files.
     #[command(after_help = CONVENTIONS)]
     Rom(rom::RomArgs),
     /// Write the header of the C library and its SystemVerilog package of DPI-C imports.

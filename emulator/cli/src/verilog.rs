@@ -40,8 +40,8 @@ pub(super) struct VerilogArgs {
     /// Write only the modules of this stage (`columns`) or of this run of it (`columns_pixel`), and what they use.
     #[arg(long, value_name = "NAME")]
     stage: Option<String>,
-    /// Most logic levels between two registers. Without it, registers are between stages only. A level is a gate of two inputs; a
-    /// 32-bit adder has 7.
+    /// Most logic levels between two registers: a level is a gate of two inputs, and a 32-bit adder has 7. Without this option,
+    /// registers are between stages only.
     #[arg(long, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(1..=1000))]
     depth: Option<u32>,
     /// Prefix of module names, so that a project can hold two designs.

@@ -45,8 +45,8 @@ A real number beyond the range of a double is m*2^e, in JSON null.";
 
 #[derive(Args)]
 pub(crate) struct ExplainArgs {
-    /// Set and index of the vector, from 0. In a part of a set, the index is that in the whole set. The set is NAME.json, NAME.hex,
-    /// NAME.bin, or NAME.
+    /// Set (NAME, NAME.json, NAME.hex or NAME.bin) and index of the vector, from 0. In a part of a set, the index is that in the
+    /// whole set.
     #[arg(value_name = "SET#INDEX")]
     set: String,
     /// Index of the vector, if the first argument is the set alone.

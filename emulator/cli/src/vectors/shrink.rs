@@ -26,7 +26,7 @@ Exit code 3: the device gets the vector right, so there is nothing to shrink.";
 
 #[derive(Args)]
 pub(crate) struct ShrinkArgs {
-    /// Set and index of the vector, from 0. The set is NAME.json, NAME.hex, NAME.bin, or NAME.
+    /// Set (NAME, NAME.json, NAME.hex or NAME.bin) and index of the vector, from 0.
     #[arg(value_name = "SET#INDEX")]
     set: String,
     /// Index of the vector, if the first argument is the set alone.
