@@ -1,4 +1,4 @@
-//! Marks: the vectors of a set in which a decision can differ if a device rounds in its own way.
+//! Ambiguous vectors: those of a set in which a decision can differ if a device rounds in its own way.
 
 use std::path::Path;
 

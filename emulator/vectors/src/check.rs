@@ -1,4 +1,4 @@
-//! Judge: acceptance tiers of a device's words. *Exact* requires every bit. *Faithful* allows every reciprocal and inverse root
+//! Check: acceptance tiers of a device's words. *Exact* requires every bit. *Faithful* allows every reciprocal and inverse root
 //! to be off by one last place, and requires exactly what follows from it. *Bound* allows every rounding to be different
 //! ([`super::bound`]).
 

@@ -1,4 +1,4 @@
-//! Distil: few vectors of many that show the same mistakes.
+//! Condensing: few vectors of many that show the same mistakes.
 //!
 //! The order is: vectors needed to show operator faults, vectors for table entries and bins, then, up to the requested number,
 //! those that show most of the remaining stuck bits. Any operation may be wrong, but few entries of a table are. The next vector

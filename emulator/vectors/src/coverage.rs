@@ -1,4 +1,4 @@
-//! Grade: coverage of sets. Every fault of the netlist ([`roughxel_netlist::fault`]) is tried on every vector until a field shows
+//! Coverage of sets. Every fault of the netlist ([`roughxel_netlist::fault`]) is tried on every vector until a field shows
 //! it, and every bin ([`roughxel_netlist::bins`]) is counted. The values that fields and wires attain are compared with the
 //! proven ranges.
 //!

@@ -1,4 +1,4 @@
-//! Scores: coverage as numbers.
+//! Coverage as numbers.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Minimise: the simplest inputs for which a device is still wrong in the stage in which it is wrong for a vector.
+//! Shrinking: the simplest inputs for which a device is still wrong in the stage in which it is wrong for a vector.
 //!
 //! Many simplifications of the inputs are tried at once, each as a candidate; the device's testbench compares a batch of
 //! candidates in one run. Candidates that are still wrong are combined as far as possible, until no simpler candidate is wrong.
