@@ -6,7 +6,7 @@
 //! - [`crc`]: check values;
 //! - [`random`]: seeded random numbers;
 //! - [`mod@exp2`]: powers of two with the same bits everywhere;
-//! - [`spelling`]: suggestions for misspelt words;
+//! - [`suggestions`]: suggestions for misspelt words;
 //! - [`limits`]: bounds of input and pictures.
 
 pub mod crc;

@@ -256,7 +256,7 @@ fn origin(compiler: &str) -> std::io::Result<u64> {
     let mut hasher = DefaultHasher::new();
     compiler.hash(&mut hasher);
     let own = ["src", "build", "Cargo.toml", "Cargo.lock", "board/src/target.rs"];
-    let others = ["../../core/src", "../../core/oracle/tests/oracle/tile", "../float/src"];
+    let others = ["../../core/src", "../../core/oracle/tests/oracle/tile", "../f32_baseline/src"];
     for part in own.into_iter().chain(others) {
         hash_files(&firmware.join(part), &mut hasher)?;
     }

@@ -12,11 +12,11 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::sampler::Cube;
 use roughxel_core::scanline::{Fragments, Triangle};
 use roughxel_core::width;
+use roughxel_f32_baseline::formulas::Careful;
+use roughxel_f32_baseline::math::{Libm, Math, Micromath};
 use roughxel_firmware::machine::{between, entry, instructions, println};
 use roughxel_firmware::samples::{REFLECTIONS, SAMPLES};
 use roughxel_firmware::tile::{self, EDGE, SKY_EDGE, Sky};
-use roughxel_f32_baseline::formulas::Careful;
-use roughxel_f32_baseline::math::{Libm, Math, Micromath};
 
 include!(concat!(env!("OUT_DIR"), "/plan.rs"));
 
