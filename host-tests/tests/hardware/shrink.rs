@@ -157,7 +157,7 @@ fn runs_are_bounded_and_a_bench_that_fails_says_why() {
 
     broken(&folder, "reflect.v", "endmodule", "");
     let error = shrink(&manifest, 0, &folder, &options(), &|_| {}).expect_err("it does not compile").to_string();
-    assert!(error.contains("the bench fails with icarus") && error.contains("reflect.v"), "{error}");
+    assert!(error.contains("the testbench fails with icarus") && error.contains("reflect.v"), "{error}");
     assert_eq!(fs::read_dir(folder.join("build")).expect("the folder").count(), 0);
 
     let other = directory.path().join("other");

@@ -262,7 +262,7 @@ fn broken_manifests_are_refused_with_the_reason() {
         (good.replacen("\"count\": 2", "\"count\": 0", 1), "count 0"),
         (good.replacen("\"count\": 2", "\"count\": \"two\"", 1), "broken manifest"),
         (good.replacen("\"normal_x\"", "\"normal_w\"", 1), "`normal_w`"),
-        (good.replacen("\"width\": 22", "\"width\": 21", 1), "field `normal_x` is laid out"),
+        (good.replacen("\"width\": 22", "\"width\": 21", 1), "field `normal_x` has a different layout"),
         (good.replacen("random_standard.hex", "../random_standard.hex", 1), "not a plain name"),
         (" ".repeat(2 << 20), "larger than 1 MiB"),
     ];
