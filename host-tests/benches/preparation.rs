@@ -11,12 +11,12 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use comfy_table::Table;
+use roughxel_assets::Picture;
 use roughxel_benches::fastest;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_host_tests::table::table;
-use roughxel_scene::picture::Picture;
 use roughxel_scene::{Scene, builtin_names, faces_from_equirectangular};
 
 /// Runs of which the fastest counts.

@@ -369,7 +369,7 @@ fn rows_of_batches_have_names_and_no_numbers() {
 
 /// Files that may use the platform's own functions, whose last bit differs between platforms: file, reason.
 const PLATFORM_FUNCTIONS: [(&str, &str); 2] = [
-    ("scene/src/picture/compare.rs", "figures of likeness, of which a few digits are printed"),
+    ("assets/src/picture/compare.rs", "figures of likeness, of which a few digits are printed"),
     ("frame/src/frame.rs", "the same"),
 ];
 

@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use clap::Args;
 use miette::miette;
+use roughxel_assets::picture::write_png_codes;
 use roughxel_core::plan::{Datapath, ReflectionPlan};
 use roughxel_core::ports::ReflectionIn;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_scene::Scene;
-use roughxel_scene::picture::write_png_codes;
 use roughxel_simd::Backend;
 use roughxel_study::profile_file::NamedPrecision;
 use roughxel_vectors::{Manifest, SetInfo, export};

@@ -1,10 +1,10 @@
 //! The environment of a frame.
 
+use roughxel_assets::Picture;
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::Sweep;
 use roughxel_maps::environment::CubePyramid;
-use roughxel_scene::picture::Picture;
 use roughxel_shader::{
     Batch, Channel, CubeTexels, EnvironmentColours, Footprint, Ordered, Reflector, ShadedColour, Shader,
 };

@@ -1,7 +1,7 @@
 //! A finished frame: as a picture, compared with a second frame, as a digest.
 
 use rayon::prelude::*;
-use roughxel_scene::picture::{self, Picture};
+use roughxel_assets::picture::{self, Picture};
 use sha2::{Digest, Sha256};
 
 use super::Colour;

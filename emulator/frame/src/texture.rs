@@ -1,11 +1,11 @@
 //! The maps of objects in the form that the shader reads.
 
+use roughxel_assets::Picture;
 use roughxel_core::datapath::texel;
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::RoughnessKind;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_maps::mip::{ColourPyramid, smallest_exponent};
-use roughxel_scene::picture::Picture;
 use roughxel_shader::{BumpMap, BumpTexels, ColourMap, MapTexels, ObjectPlan, RoughBump, WrappedMap};
 
 use super::MAX_MAP_EXPONENT;

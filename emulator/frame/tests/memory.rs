@@ -2,11 +2,11 @@
 
 use std::fs;
 
+use roughxel_assets::picture::write_png_codes;
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
 use roughxel_scene::Scene;
-use roughxel_scene::picture::write_png_codes;
 
 /// Most memory that this process has held, bytes; `None` if the system does not report it.
 fn most_memory() -> Option<u64> {

@@ -12,7 +12,7 @@ use roughxel_core::sampler::{BRIGHT_EXPONENTS, level_edge};
 use crate::bright;
 use crate::mip::{Level, coded_levels, colour_levels, quantise, round_ratio, smallest_exponent};
 use crate::sphere::{self, Sources};
-use roughxel_scene::picture::Picture;
+use roughxel_assets::Picture;
 use roughxel_utilities::exp2::power_of_two;
 
 /// An environment map with its mip levels.

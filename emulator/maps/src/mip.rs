@@ -7,8 +7,8 @@
 //! exact sums of an earlier level are reused. The result is the same integer, and power-of-two maps cost 4/3 of level 0.
 
 use rayon::prelude::*;
+use roughxel_assets::Picture;
 use roughxel_scene::levels::{covers, level_sizes};
-use roughxel_scene::picture::Picture;
 use roughxel_utilities::exp2::power_of_two;
 
 /// One level of a colour map, texels in rows.

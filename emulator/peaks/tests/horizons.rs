@@ -1,7 +1,7 @@
 //! Kept heights of a scene, and the horizons of the peaks fitted to them.
 
+use roughxel_assets::Picture;
 use roughxel_peaks::{BuildOptions, FacetWeight, PeakPyramid, PeakSource};
-use roughxel_scene::picture::Picture;
 use roughxel_scene::{BumpField, FrameSystem, HeightScale};
 
 fn picture(width: u32, height: u32, value: impl Fn(u32, u32) -> [f32; 3]) -> Picture {

@@ -15,12 +15,12 @@ mod shade;
 pub use footprint::{Float64, Footprint, Footprints};
 
 use rayon::prelude::*;
+use roughxel_assets::Picture;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
 use roughxel_frame::raster::{Projection, RasterError, Sampling, TileRect, TileSamples, TriangleList, tiles};
 use roughxel_scene::Scene;
-use roughxel_scene::picture::Picture;
 use roughxel_shader::Needs;
 
 use shade::Shader;

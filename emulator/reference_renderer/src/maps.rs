@@ -1,11 +1,11 @@
 //! The emulator's stored pyramids as real numbers.
 
+use roughxel_assets::Picture;
 use roughxel_core::precision::RoughnessKind;
 use roughxel_frame::MAX_MAP_EXPONENT;
 use roughxel_maps::bump::{BumpLevel, BumpPyramid, BumpTexel, PORT_FRACTION_BITS};
 use roughxel_maps::environment::CubePyramid;
 use roughxel_maps::mip::{ColourPyramid, Level, smallest_exponent};
-use roughxel_scene::picture::Picture;
 
 use roughxel_reference::filter::{CubeMap, Map};
 use roughxel_reference::roughness::compose;

@@ -4,7 +4,7 @@
 //! +v. Heights are differenced centrally, wrapped around both edges. Texels are square on the surface, except in the
 //! natural system, whose slopes are taken per unit of u and of v. Coordinates beyond [`OFFSET_LIMIT`] are clamped.
 
-use crate::picture::Picture;
+use roughxel_assets::Picture;
 
 /// Largest absolute value of an offset's coordinate: the ports carry I4F28, below 8.
 pub const OFFSET_LIMIT: f32 = 8.0 - 1.0 / 1024.0;

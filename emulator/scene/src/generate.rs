@@ -22,8 +22,8 @@ pub use self::grid::MapProgress;
 pub(super) use self::grid::Unseen;
 pub(super) use self::roughness::uniform_roughness;
 use crate::error::SceneError;
-use crate::picture::Picture;
 use crate::source::Arguments;
+use roughxel_assets::Picture;
 use roughxel_utilities::suggestions::did_you_mean;
 
 /// Name of the one generated roughness that is not a picture.

@@ -1,9 +1,9 @@
 //! # roughxel-scene
 //!
-//! Scenes: camera, background, environment and objects, read from a TOML file or built in; pictures and their files.
+//! Scenes: camera, background, environment and objects, read from a TOML file or built in.
 //!
-//! `description` holds the keys of a file, `source` their places; `load` turns them into a [`Scene`]. `shapes` and `mesh`
-//! make triangles, `bump` makes offset vectors (S97 §7), `roughness` holds finer detail than offsets show. `generate`
+//! `description` holds the keys of a file, `source` their places; `load` turns them into a [`Scene`]. `shapes`
+//! makes triangles, `bump` makes offset vectors (S97 §7), `roughness` holds finer detail than offsets show. `generate`
 //! makes maps that need no download; `builtin` lists the scenes of the papers. All external input is bounded here, so that
 //! later stages see finite numbers and indices in range.
 
@@ -16,9 +16,7 @@ mod generate;
 pub mod levels;
 mod lighting;
 mod load;
-mod mesh;
 mod panorama;
-pub mod picture;
 mod roughness;
 mod scene;
 mod shapes;
@@ -32,9 +30,6 @@ pub use lighting::{
     EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, MAX_PEAK_TEXELS,
     PEAK_HEIGHTS, PeakSource, Peaks, Shadowing,
 };
-pub use mesh::MeshError;
 pub use panorama::faces_from_equirectangular;
 pub use roughness::RoughnessField;
-pub use scene::{
-    Background, Camera, Deviation, EnvironmentSource, FootprintPlace, Material, Mesh, Object, Scene, Vertex,
-};
+pub use scene::{Background, Camera, Deviation, EnvironmentSource, FootprintPlace, Material, Object, Scene};

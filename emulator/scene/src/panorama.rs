@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use roughxel_simd::{Backend, LANES};
 
 use crate::cube::direction;
-use crate::picture::Picture;
+use roughxel_assets::Picture;
 
 /// Most samples of a face texel along an axis.
 const MOST_SAMPLES: f64 = 64.0;

@@ -1,7 +1,7 @@
 //! Roughness maps of a scene: detail too fine for its bump map, or for any (S97 §8).
 
 use super::bump::signed_decoder;
-use crate::picture::Picture;
+use roughxel_assets::Picture;
 
 /// Largest standard deviation of a roughness map: the ports hold values below 8, and bumps are added.
 pub(super) const MAX_DEVIATION: f64 = 4.0;

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use crate::bump::{BumpField, FrameSystem};
 use crate::lighting::{Highlight, Light, Peaks};
-use crate::picture::Picture;
 use crate::roughness::RoughnessField;
+use roughxel_assets::{Mesh, Picture};
 
 /// Content of a frame.
 #[derive(Clone, Debug)]
@@ -86,31 +86,6 @@ pub struct Object {
     pub mesh: Mesh,
     /// Surface.
     pub material: Material,
-}
-
-/// Indexed triangles in world space; counter-clockwise seen from the side of the normal for the built-in shapes.
-#[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    /// Vertices.
-    pub vertices: Vec<Vertex>,
-    /// Vertex indices, all below `vertices.len()`; no triangle has zero area.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-/// One vertex.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vertex {
-    /// Position, world units.
-    pub position: DVec3,
-    /// Unit normal, world space.
-    pub normal: DVec3,
-    /// Texture coordinates in repeats of the map: u to the right, v up, (0, 0) the bottom-left corner.
-    pub uv: DVec2,
-    /// ∂p/∂u and ∂p/∂v in world units per repeat; both zero if a mesh has no texture coordinates.
-    ///
-    /// If a mesh mirrors its map, ∂p/∂u and ∂p/∂v are negated. S97's s_u = n × p_v and s_v = p_u × n then still run
-    /// against the true p_u and p_v, so that bumps stay bumps.
-    pub tangents: [DVec3; 2],
 }
 
 /// Place of the footprints of reflections.

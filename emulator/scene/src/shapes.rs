@@ -14,7 +14,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::generate::maths::{cos_turns, sin_turns};
-use crate::scene::{Mesh, Vertex};
+use roughxel_assets::{Mesh, Vertex};
 
 /// Most segments along one direction.
 pub(super) const MAX_SEGMENTS: u32 = 1024;

@@ -3,10 +3,10 @@
 use std::io;
 use std::path::PathBuf;
 
+use roughxel_assets::picture::PictureError;
 use roughxel_frame::raster::RasterError;
 use roughxel_peaks::ObjectPeakError;
 use roughxel_scene::SceneError;
-use roughxel_scene::picture::PictureError;
 use thiserror::Error;
 
 /// Reason why a study ends without success.

@@ -4,13 +4,13 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use roughxel_assets::picture::{Picture, ssim};
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Frame;
 use roughxel_frame::plan::Mode;
 use roughxel_reference_renderer::{self as reference_renderer, RealPicture};
 use roughxel_scene::Scene;
-use roughxel_scene::picture::{Picture, ssim};
 use serde::{Deserialize, Serialize};
 
 use crate::stability::Float;
@@ -122,7 +122,7 @@ impl Judge {
 #[cfg(feature = "flip")]
 fn flip(picture: &Picture, truth: &Picture) -> Option<f64> {
     use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
-    use roughxel_scene::picture::linear_to_srgb8;
+    use roughxel_assets::picture::linear_to_srgb8;
 
     let image = |picture: &Picture| {
         let codes: Vec<u8> = picture.pixels.iter().flatten().map(|&channel| linear_to_srgb8(channel)).collect();

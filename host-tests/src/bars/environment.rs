@@ -1,6 +1,7 @@
 //! The step across an edge of the cube: a smooth environment through the integer filter on both sides of its edges.
 
 use glam::DVec3;
+use roughxel_assets::Picture;
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan};
 use roughxel_core::ports::{Port, ReflectionIn, SurfaceIn};
@@ -9,7 +10,6 @@ use roughxel_core::scalar_api::{self, environment_scale};
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::Probes;
 use roughxel_frame::EnvironmentMap;
-use roughxel_scene::picture::Picture;
 use roughxel_shader as shader;
 
 use crate::reference::cube::direction_of;

@@ -1,13 +1,13 @@
 //! The ground plane of [`reference::ground_plane`](crate::reference::ground_plane) through the integer texture path.
 
 use fixed::types::{I2F30, U0F32};
+use roughxel_assets::Picture;
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::{BlockPair, Port, TextureIn};
 use roughxel_core::precision::Precision;
 use roughxel_core::scalar_api::texture_scale;
 use roughxel_core::signals::TexturePosition;
 use roughxel_frame::colour_map;
-use roughxel_scene::picture::Picture;
 use roughxel_shader::{Batch, Colours, MapFootprints, Places, Shader};
 use roughxel_simd::Backend;
 

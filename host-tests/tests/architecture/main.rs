@@ -259,7 +259,7 @@ fn the_reader_finds_what_files_use() {
     // Names after `$crate` in a macro, re-exported names, and tests do not count.
     assert!(!uses("core/src/bundle.rs", "core/src/ports.rs"));
     assert!(!uses("emulator/peaks/src/lib.rs", "emulator/peaks/src/build.rs"));
-    assert!(!uses("emulator/scene/src/picture/compare.rs", "emulator/utilities/src/random.rs"));
+    assert!(!uses("emulator/assets/src/picture/compare.rs", "emulator/utilities/src/random.rs"));
 }
 
 #[test]

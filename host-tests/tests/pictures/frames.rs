@@ -6,6 +6,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use png::{BitDepth, ColorType, Decoder};
+use roughxel_assets::picture::{linear_to_srgb8, write_png_srgb};
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionOut;
 use roughxel_core::precision::{Precision, RoughnessKind};
@@ -16,7 +17,6 @@ use roughxel_host_tests::reference::ground_plane::{GroundReference, GroundTextur
 use roughxel_host_tests::space::{profiles, whole_or};
 use roughxel_reference_renderer::RealPicture;
 use roughxel_scene::Scene;
-use roughxel_scene::picture::{linear_to_srgb8, write_png_srgb};
 use roughxel_shader::Effect;
 use roughxel_simd::{Backend, InstructionSet};
 

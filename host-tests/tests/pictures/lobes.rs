@@ -4,6 +4,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use roughxel_assets::Picture;
 use roughxel_core::ports::BlockVector;
 use roughxel_core::precision::Precision;
 use roughxel_frame::Prepared;
@@ -17,7 +18,6 @@ use roughxel_reference::random::SplitMix64;
 use roughxel_reference::{frame, reflect, sphere};
 use roughxel_reference_renderer::RealPicture;
 use roughxel_scene::Scene;
-use roughxel_scene::picture::Picture;
 use roughxel_shader::Needs;
 
 /// Texels along an edge of a face.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use roughxel_assets::picture::{PictureError, beside, write_png_srgb};
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
@@ -10,7 +11,6 @@ use roughxel_frame::plan::Mode;
 use roughxel_frame::raster::RasterError;
 use roughxel_frame::{Frame, Prepared};
 use roughxel_peaks::{ObjectPeakError, ScenePeaks};
-use roughxel_scene::picture::{PictureError, beside, write_png_srgb};
 use roughxel_scene::{Scene, SceneError};
 use thiserror::Error;
 

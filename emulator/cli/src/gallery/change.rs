@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use roughxel_assets::Vertex;
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_scene::{
     FootprintPlace, FrameSystem, GivenPeak, Highlight, HighlightForm, OFFSET_LIMIT, PeakSource, Scene, Shadowing,
-    Vertex,
 };
 use roughxel_shader::Effect;
 

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use roughxel_assets::picture::{Picture, beside, difference, ssim, write_png_srgb};
 use roughxel_frame::plan::Decision;
 use roughxel_frame::raster::tiles;
 use roughxel_frame::{Frame, Prepared};
 use roughxel_scene::Scene;
-use roughxel_scene::picture::{Picture, beside, difference, ssim, write_png_srgb};
 use roughxel_shader::ObjectPlan;
 use roughxel_utilities::output::WriteError;
 

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use roughxel_assets::picture::PictureError;
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
-use roughxel_scene::picture::PictureError;
 use roughxel_utilities::output::WriteError;
 use thiserror::Error;
 
@@ -75,14 +75,14 @@ pub struct DrawnColumn {
     pub column: Column,
     /// Picture of the column.
     pub picture: PathBuf,
-    /// Signed error against the reference: [`difference`](roughxel_scene::picture::difference).
+    /// Signed error against the reference: [`difference`](roughxel_assets::picture::difference).
     pub difference: PathBuf,
     /// Time of the fastest drawing.
     pub time: Duration,
     /// Peak signal-to-noise ratio against the reference in dB: [`Frame::psnr`](roughxel_frame::Frame::psnr). `None` if the reference has no
     /// more samples a pixel than the column ([`Settings::judges`]).
     pub psnr: Option<f64>,
-    /// Similarity to the reference: [`ssim`](roughxel_scene::picture::ssim). `None` as for `psnr`, and for pictures smaller than its window.
+    /// Similarity to the reference: [`ssim`](roughxel_assets::picture::ssim). `None` as for `psnr`, and for pictures smaller than its window.
     pub ssim: Option<f64>,
     /// Digest of the frame: [`Frame::digest`](roughxel_frame::Frame::digest).
     pub digest: String,

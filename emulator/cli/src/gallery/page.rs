@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use roughxel_assets::picture::{DIFFERENCE_GAIN, PictureError};
 use roughxel_html_report::html::{Page, Text};
-use roughxel_scene::picture::{DIFFERENCE_GAIN, PictureError};
 use roughxel_utilities::output::write_files;
 
 use super::drawn::{DrawnScene, GalleryError, Settings};

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use roughxel_assets::picture::{Encoding, read_png};
 use roughxel_cli::gallery::{DrawnColumn, DrawnScene, Settings, draw_scene, table, work};
 use roughxel_core::precision::Precision;
-use roughxel_scene::picture::{Encoding, read_png};
 use serde_json::Value;
 
 use super::fixture::{Folder, Run, roughxel};

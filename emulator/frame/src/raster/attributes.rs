@@ -137,7 +137,7 @@ impl<'a> Triangle<'a> {
     /// Setup from the vertices; `None` if nothing of the triangle can be visible.
     pub(super) fn new(
         projection: &'a Projection,
-        vertices: [&roughxel_scene::Vertex; 3],
+        vertices: [&roughxel_assets::Vertex; 3],
         needs: Needs,
     ) -> Option<Self> {
         let polygon = ScreenPolygon::new(projection, vertices.map(|v| v.position))?;

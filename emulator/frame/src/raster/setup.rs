@@ -10,7 +10,8 @@ use super::clip::ScreenPolygon;
 use super::edges::{DepthPlane, Places, ScreenTriangle, TileBuffer};
 use super::{MAX_TRIANGLES, RasterError, TILE_EDGE_PX, TileRect};
 use rayon::prelude::*;
-use roughxel_scene::{Object, Vertex};
+use roughxel_assets::Vertex;
+use roughxel_scene::Object;
 use roughxel_shader::Needs;
 use roughxel_simd::Backend;
 

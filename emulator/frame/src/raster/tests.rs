@@ -12,7 +12,8 @@ use roughxel_simd::{Backend, InstructionSet, LANES};
 use super::edges::{Places, TileBuffer};
 use super::setup::Drawn;
 use super::*;
-use roughxel_scene::{Camera, Deviation, FrameSystem, Material, Mesh, Object, Vertex};
+use roughxel_assets::{Mesh, Vertex};
+use roughxel_scene::{Camera, Deviation, FrameSystem, Material, Object};
 use roughxel_utilities::random::SplitMix64;
 
 /// Seeded random numbers and vectors.

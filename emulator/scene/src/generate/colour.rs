@@ -6,8 +6,8 @@ use super::height::Earth;
 use super::maths::{hash, mix, smoothstep, unit};
 use super::relief::Denim;
 use crate::error::SceneError;
-use crate::picture::Picture;
 use crate::source::Arguments;
+use roughxel_assets::Picture;
 
 /// Squares of two colours.
 pub(super) fn checker(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {

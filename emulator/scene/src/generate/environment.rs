@@ -6,8 +6,8 @@ use super::keys::BRIGHTEST;
 use super::maths::{Random, cos_turns, dot, mix, normalised, sin_turns, smoothstep};
 use crate::cube::direction;
 use crate::error::SceneError;
-use crate::picture::Picture;
 use crate::source::Arguments;
+use roughxel_assets::Picture;
 use roughxel_utilities::limits::MAX_FACE_EDGE;
 
 /// Samples along the edge of a texel.

@@ -3,8 +3,8 @@
 use super::grid::Grid;
 use super::maths::{Random, cos_turns, hash, lattice_noise, sin_turns, smoothstep};
 use crate::error::SceneError;
-use crate::picture::Picture;
 use crate::source::Arguments;
+use roughxel_assets::Picture;
 
 /// Wind-driven waves: a sum of sines whose wave vectors are whole cycles per repeat, so the map tiles.
 pub(super) fn waves(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {

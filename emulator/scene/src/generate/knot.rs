@@ -65,7 +65,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::mesh::parse_obj;
+    use roughxel_assets::parse_obj;
 
     #[test]
     fn the_knot_is_a_closed_tube_that_does_not_touch_itself() {

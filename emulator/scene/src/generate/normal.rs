@@ -3,8 +3,8 @@
 use super::grid::Grid;
 use super::maths::{hash, normalised, unit};
 use crate::error::SceneError;
-use crate::picture::Picture;
 use crate::source::Arguments;
+use roughxel_assets::Picture;
 
 /// Hammered metal: hollow dents that meet in sharp edges, which differences of heights do not keep.
 pub(super) fn hammered(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {

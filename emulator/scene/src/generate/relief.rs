@@ -4,8 +4,8 @@ use super::grid::Grid;
 use super::height::grey;
 use super::maths::{Random, cos_turns, sin_turns, smoothstep};
 use crate::error::SceneError;
-use crate::picture::Picture;
 use crate::source::Arguments;
+use roughxel_assets::Picture;
 
 /// Long thin scratches along u: grooves that fade out at both ends.
 pub(super) fn brushed(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<Picture, SceneError> {

@@ -1,6 +1,6 @@
 //! Light of pictures: exposure, and the light that their storage clamps.
 
-use crate::picture::Picture;
+use roughxel_assets::Picture;
 use roughxel_utilities::exp2::exp2;
 use roughxel_utilities::limits::{BRIGHTEST_COLOUR, BRIGHTEST_ENVIRONMENT};
 

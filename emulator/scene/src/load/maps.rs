@@ -16,10 +16,10 @@ use crate::generate::{
 };
 use crate::lighting::PEAK_HEIGHTS;
 use crate::panorama::faces_from_equirectangular;
-use crate::picture::{Encoding, Picture, read_exr, read_hdr, read_png};
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
 use crate::scene::EnvironmentSource;
 use crate::source::{ArgumentTable, Arguments, Source};
+use roughxel_assets::picture::{Encoding, Picture, read_exr, read_hdr, read_png};
 use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 
 /// Reads the maps of one scene; a map that is named more than once is made once.

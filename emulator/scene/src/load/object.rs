@@ -11,10 +11,10 @@ use super::material::{Surroundings, material};
 use crate::description::{ObjectDescription, ShapeName};
 use crate::error::SceneError;
 use crate::generate::{mesh_names, mesh_text};
-use crate::mesh::{MAX_TRIANGLES, ObjMesh, parse_obj, read_obj};
-use crate::scene::{Mesh, Object, Vertex};
+use crate::scene::Object;
 use crate::shapes::{MAX_SEGMENTS, Placement, Shape};
 use crate::source::{Exactly, Source};
+use roughxel_assets::{MAX_TRIANGLES, Mesh, ObjMesh, Vertex, parse_obj, read_obj};
 use roughxel_utilities::limits::{LENGTHS, MAX_COORDINATE};
 
 /// One object, its maps read.

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use roughxel_assets::picture::{DIFFERENCE_GAIN, Picture, difference, write_png_srgb};
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
-use roughxel_scene::picture::{DIFFERENCE_GAIN, Picture, difference, write_png_srgb};
 
 use super::figures::base_name;
 use super::verdict::{BUYS_SOMETHING_DB, knob_gains};

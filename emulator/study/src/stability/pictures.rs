@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use roughxel_assets::Picture;
 use roughxel_core::precision::Precision;
 use roughxel_frame::plan::Mode;
 use roughxel_reference_renderer::{render, render_with};
 use roughxel_scene::Scene;
-use roughxel_scene::picture::Picture;
 
 use super::float::Float;
 use crate::StudyError;

@@ -11,11 +11,35 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::{Mesh, Vertex};
 use roughxel_utilities::input::{open_file, without_mark};
 
+/// Indexed triangles in world space; counter-clockwise seen from the side of the normal for the built-in shapes.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Vertices.
+    pub vertices: Vec<Vertex>,
+    /// Vertex indices, all below `vertices.len()`; no triangle has zero area.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// One vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Position, world units.
+    pub position: DVec3,
+    /// Unit normal, world space.
+    pub normal: DVec3,
+    /// Texture coordinates in repeats of the map: u to the right, v up, (0, 0) the bottom-left corner.
+    pub uv: DVec2,
+    /// ∂p/∂u and ∂p/∂v in world units per repeat; both zero if a mesh has no texture coordinates.
+    ///
+    /// If a mesh mirrors its map, ∂p/∂u and ∂p/∂v are negated. S97's s_u = n × p_v and s_v = p_u × n then still run
+    /// against the true p_u and p_v, so that bumps stay bumps.
+    pub tangents: [DVec3; 2],
+}
+
 /// Most triangles of a file.
-pub(super) const MAX_TRIANGLES: usize = 4_000_000;
+pub const MAX_TRIANGLES: usize = 4_000_000;
 /// Largest file in bytes: 4 million triangles with normals and texture coordinates take about 500 MB.
 const MAX_BYTES: u64 = 1 << 29;
 /// Largest coordinate, world units.
@@ -46,16 +70,17 @@ impl MeshError {
 
 /// A mesh read from a file.
 #[derive(Debug)]
-pub(super) struct ObjMesh {
-    pub(super) mesh: Mesh,
+pub struct ObjMesh {
+    /// Its triangles.
+    pub mesh: Mesh,
     /// Line of the first face without texture coordinates, from 1. A map cannot be drawn there.
-    pub(super) without_uv: Option<usize>,
+    pub without_uv: Option<usize>,
     /// Repairs, one sentence each.
-    pub(super) warnings: Vec<String>,
+    pub warnings: Vec<String>,
 }
 
 /// Reads an OBJ file. Errors: [`MeshError`].
-pub(super) fn read_obj(path: &Path) -> Result<ObjMesh, MeshError> {
+pub fn read_obj(path: &Path) -> Result<ObjMesh, MeshError> {
     let unreadable = |source| MeshError::new(path, format!("cannot read the mesh: {source}"));
     let mut file = open_file(path).map_err(unreadable)?;
     let bytes_long = file.metadata().map_err(unreadable)?.len();
@@ -69,7 +94,7 @@ pub(super) fn read_obj(path: &Path) -> Result<ObjMesh, MeshError> {
 }
 
 /// Reads text as [`read_obj`] reads a file; `path` only names it.
-pub(super) fn parse_obj(path: &Path, text: &str) -> Result<ObjMesh, MeshError> {
+pub fn parse_obj(path: &Path, text: &str) -> Result<ObjMesh, MeshError> {
     let Checked { text: checked, without_uv } = check(path, without_mark(text))?;
     let options =
         tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };

@@ -1,0 +1,11 @@
+//! # roughxel-assets
+//!
+//! Files that people bring: pictures and meshes, read as they say they are meant.
+//!
+//! `picture` reads and writes pictures; `mesh` reads triangles. Sizes are bounded before memory is taken.
+
+mod mesh;
+pub mod picture;
+
+pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, ObjMesh, Vertex, parse_obj, read_obj};
+pub use picture::Picture;
