@@ -4,6 +4,7 @@
 //!
 //! `picture` reads and writes pictures; `mesh` reads triangles. Sizes are bounded before memory is taken.
 
+pub mod gltf;
 mod mesh;
 pub mod picture;
 

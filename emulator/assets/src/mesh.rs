@@ -58,7 +58,7 @@ pub struct MeshError {
 }
 
 impl MeshError {
-    fn new(path: &Path, message: impl Into<String>) -> Self {
+    pub(crate) fn new(path: &Path, message: impl Into<String>) -> Self {
         Self { place: path.display().to_string(), message: message.into() }
     }
 

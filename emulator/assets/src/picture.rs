@@ -17,7 +17,7 @@ mod tests;
 pub use compare::{DIFFERENCE_GAIN, difference, ssim};
 pub use exr_file::read_exr;
 pub use hdr_file::read_hdr;
-pub use png_file::{read_png, srgb_codes, write_png_codes, write_png_srgb};
+pub use png_file::{Samples, encode_png, read_png, srgb_codes, write_png_codes, write_png_srgb};
 pub use srgb::{linear_to_srgb8, srgb_to_linear};
 
 use std::fmt::Display;

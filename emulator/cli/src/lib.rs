@@ -15,6 +15,7 @@ mod effects;
 mod eval;
 mod failure;
 pub mod gallery;
+mod import;
 mod plan;
 mod ranges;
 mod render;
@@ -51,6 +52,9 @@ enum Command {
     /// Draw a scene.
     #[command(after_help = CONVENTIONS)]
     Render(render::RenderArgs),
+    /// Make a scene of a glTF model: its triangles, materials and maps as files that can be edited.
+    #[command(long_about = import::LONG_HELP)]
+    Import(import::ImportArgs),
     /// Export and verify golden vectors, and check devices with them.
     #[command(subcommand)]
     Vectors(vectors::VectorsCommand),
@@ -100,6 +104,7 @@ pub fn run() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Demo(args) => demo::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Import(args) => import::run(&args),
         Command::Vectors(command) => vectors::run(&command),
         Command::Eval(args) => eval::run(&args),
         Command::Report(command) => report::run(&command),

@@ -1,0 +1,118 @@
+//! `roughxel import`.
+
+mod maps;
+mod text;
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use roughxel_assets::gltf::{Part, read_model};
+use roughxel_utilities::output::{WriteError, write_files};
+
+use super::console::complain;
+use super::{Failure, check_file, file_stem, write_text};
+
+pub(super) const LONG_HELP: &str = "\
+Make a scene of a glTF 2.0 model (.glb or .gltf): a scene file, and a folder of the same name with OBJ files and maps.
+
+  reflectance     mean over the maps of 0.04 (1 - metallic) + metallic base colour
+  colour          base colour of what is not metal, and emitted light, shown without shading
+  normal map      as it is; its scale is applied
+  roughness map   standard deviation of slopes: roughness^2 / sqrt 2 (Beckmann's distribution with alpha = roughness^2)
+  camera          that of the file, else one that sees the whole model from +z
+  environment     the generated sky; edit the scene file for another
+
+Contents that are not drawn are named on stderr: animations, skins, lights, transparency, other extensions.
+
+Exit codes: 0 done, 1 failure, 2 usage.
+Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";
+
+#[derive(Args)]
+pub(super) struct ImportArgs {
+    /// Model, a .glb or .gltf file.
+    model: PathBuf,
+    /// Scene file to write. The default is the name of the model with .toml, in this folder.
+    #[arg(short, long, value_name = "TOML")]
+    output: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
+    let stem = file_stem(&args.model.to_string_lossy());
+    let output = args.output.clone().unwrap_or_else(|| format!("{stem}.toml").into());
+    if output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("toml")) {
+        return Err(Failure::Usage("scenes are TOML files: end the name in .toml".to_owned()));
+    }
+    check_file(&output)?;
+    let model = read_model(&args.model)?;
+    let folder = output.with_extension("");
+    let folder_name = folder.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
+    // Images come first: maps are made of them.
+    let mut notes = model.ignored.clone();
+    let images = maps::write_images(&folder, &model)?;
+    let meshes = model.parts.iter().enumerate().map(|(index, part)| (obj_name(index, part), obj(part)));
+    write_files(&folder, meshes)?;
+    let mut objects = Vec::new();
+    for (index, part) in model.parts.iter().enumerate() {
+        let has_uv = !part.texcoords.is_empty();
+        let maps = maps::material(&folder, &model, part.material, has_uv, &images, &mut notes)?;
+        objects.push(text::object(part, &format!("{folder_name}/{}", obj_name(index, part)), &folder_name, &maps));
+    }
+    write_text(&output, &text::scene(&args.model, &model, &objects))?;
+    notes.sort();
+    notes.dedup();
+    for note in &notes {
+        complain(&format!("warning: {}: {note}", args.model.display()));
+    }
+    let triangles: usize = model.parts.iter().map(|part| part.triangles.len()).sum();
+    let shown = output.display();
+    writeln!(
+        io::stdout().lock(),
+        "{shown}: {} objects, {triangles} triangles; draw it: roughxel render {shown}",
+        objects.len()
+    )?;
+    Ok(())
+}
+
+/// File name of a part: a number keeps equal names apart.
+fn obj_name(index: usize, part: &Part) -> String {
+    format!("{}_{}.obj", index + 1, file_stem(&part.name))
+}
+
+/// A part as OBJ text. Numbers have as many digits as they need to be read back as they are.
+fn obj(part: &Part) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    for p in &part.positions {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for uv in &part.texcoords {
+        let _ = writeln!(text, "vt {} {}", uv.x, uv.y);
+    }
+    for n in &part.normals {
+        let _ = writeln!(text, "vn {} {} {}", n.x, n.y, n.z);
+    }
+    let (uv, normal) = (!part.texcoords.is_empty(), !part.normals.is_empty());
+    for triangle in &part.triangles {
+        text.push('f');
+        for index in triangle.map(|index| index + 1) {
+            let _ = match (uv, normal) {
+                (true, true) => write!(text, " {index}/{index}/{index}"),
+                (true, false) => write!(text, " {index}/{index}"),
+                (false, true) => write!(text, " {index}//{index}"),
+                (false, false) => write!(text, " {index}"),
+            };
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Writes a file below `folder`, which is made.
+fn write_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), WriteError> {
+    let path = folder.join(name);
+    fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.into(), source })?;
+    write_files(folder, [(name, bytes)]).map_err(|error| WriteError { path, ..error })
+}

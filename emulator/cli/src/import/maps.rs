@@ -1,0 +1,197 @@
+//! Materials of a model as the keys and maps of a scene.
+
+use std::path::Path;
+
+use roughxel_assets::Picture;
+use roughxel_assets::gltf::{Model, ModelMaterial};
+use roughxel_assets::picture::{Encoding, PictureError, Samples, encode_png, linear_to_srgb8, read_png};
+
+use super::{Failure, write_bytes};
+
+/// Share that a dielectric reflects at normal incidence (glTF 2.0 §B.2: an index of refraction of 1.5).
+const DIELECTRIC: f64 = 0.04;
+
+/// Keys of the material of an object.
+#[derive(Default)]
+pub(super) struct MaterialMaps {
+    pub(super) reflectance: [f64; 3],
+    pub(super) colour: [f64; 3],
+    pub(super) colour_map: Option<String>,
+    pub(super) normal_map: Option<String>,
+    pub(super) roughness_map: Option<String>,
+    /// Standard deviation of slopes where the roughness map is white, or everywhere.
+    pub(super) deviation: f64,
+    pub(super) has_uv: bool,
+}
+
+/// Writes the images of a model as they are. Returns the names of their files.
+pub(super) fn write_images(folder: &Path, model: &Model) -> Result<Vec<String>, Failure> {
+    let mut names = Vec::new();
+    for (index, image) in model.images.iter().enumerate() {
+        let ending = match image.bytes.as_slice() {
+            [0x89, b'P', b'N', b'G', ..] => "png",
+            [0xff, 0xd8, ..] => "jpg",
+            [b'R', b'I', b'F', b'F', ..] => "webp",
+            [0xab, b'K', b'T', b'X', ..] => "ktx2",
+            _ => "image",
+        };
+        let name = format!("image_{index}.{ending}");
+        write_bytes(folder, &name, &image.bytes)?;
+        names.push(name);
+    }
+    Ok(names)
+}
+
+/// A texture of the model, or nothing.
+struct Texture(Option<Picture>);
+
+impl Texture {
+    fn read(folder: &Path, images: &[String], image: Option<usize>, encoding: Encoding) -> Result<Self, PictureError> {
+        let name = image.and_then(|index| images.get(index));
+        Ok(Self(name.map(|name| read_png(&folder.join(name), encoding)).transpose()?))
+    }
+
+    fn size(&self) -> Option<[u32; 2]> {
+        self.0.as_ref().map(|picture| [picture.width, picture.height])
+    }
+
+    /// The texel at the centre of texel (x, y) of a picture of `size`; white without a texture.
+    fn texel(&self, x: u32, y: u32, size: [u32; 2]) -> [f64; 3] {
+        let Some(picture) = &self.0 else { return [1.0; 3] };
+        // (2x + 1) / 2w of the one is the same place in the other.
+        let place =
+            |at: u32, from: u32, to: u32| ((2 * u64::from(at) + 1) * u64::from(to) / (2 * u64::from(from))) as u32;
+        picture.pixel(place(x, size[0], picture.width), place(y, size[1], picture.height)).map(f64::from)
+    }
+}
+
+/// Textures of one material.
+struct Textures<'a> {
+    material: &'a ModelMaterial,
+    colour: Texture,
+    /// Roughness in green, metallic in blue.
+    properties: Texture,
+    emissive: Texture,
+}
+
+impl Textures<'_> {
+    fn metallic(&self, x: u32, y: u32, size: [u32; 2]) -> f64 {
+        (self.material.metallic * self.properties.texel(x, y, size)[2]).clamp(0.0, 1.0)
+    }
+
+    fn base(&self, x: u32, y: u32, size: [u32; 2]) -> [f64; 3] {
+        let texel = self.colour.texel(x, y, size);
+        [0, 1, 2].map(|channel| (self.material.colour[channel] * texel[channel]).clamp(0.0, 1.0))
+    }
+
+    /// Mean of what the material reflects at normal incidence.
+    fn reflectance(&self, size: [u32; 2]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        each(size, |x, y| {
+            let (metallic, base) = (self.metallic(x, y, size), self.base(x, y, size));
+            for (sum, base) in sum.iter_mut().zip(base) {
+                *sum += DIELECTRIC * (1.0 - metallic) + metallic * base;
+            }
+        });
+        sum.map(|sum| sum / (f64::from(size[0]) * f64::from(size[1])))
+    }
+
+    /// What is shown without a reflection, before the factor 1 − reflectance of the pixel.
+    fn shown(&self, x: u32, y: u32, size: [u32; 2], reflectance: [f64; 3]) -> [f64; 3] {
+        let (metallic, base) = (self.metallic(x, y, size), self.base(x, y, size));
+        let emissive = self.emissive.texel(x, y, size);
+        [0, 1, 2].map(|channel| {
+            let light = base[channel] * (1.0 - metallic) + self.material.emissive[channel] * emissive[channel];
+            if reflectance[channel] < 1.0 { (light / (1.0 - reflectance[channel])).min(1.0) } else { 0.0 }
+        })
+    }
+}
+
+fn each(size: [u32; 2], mut texel: impl FnMut(u32, u32)) {
+    for y in 0..size[1] {
+        for x in 0..size[0] {
+            texel(x, y);
+        }
+    }
+}
+
+/// Keys and maps of material `index`; `None` is glTF's default material. `notes` takes what is left out.
+pub(super) fn material(
+    folder: &Path,
+    model: &Model,
+    index: Option<usize>,
+    has_uv: bool,
+    images: &[String],
+    notes: &mut Vec<String>,
+) -> Result<MaterialMaps, Failure> {
+    let default = ModelMaterial { colour: [1.0; 3], metallic: 1.0, roughness: 1.0, ..Default::default() };
+    let material = index.and_then(|index| model.materials.get(index)).unwrap_or(&default);
+    let number = index.map_or_else(|| "default".to_owned(), |index| index.to_string());
+    let textured = [material.colour_texture, material.metallic_roughness_texture, material.emissive_texture];
+    if !has_uv && (textured.iter().any(Option::is_some) || material.normal_texture.is_some()) {
+        notes.push(format!("material {number}: textures are left out where a mesh has no texture coordinates"));
+    }
+    let read = |image: Option<usize>, encoding| Texture::read(folder, images, image.filter(|_| has_uv), encoding);
+    let textures = Textures {
+        material,
+        colour: read(material.colour_texture, Encoding::Srgb)?,
+        properties: read(material.metallic_roughness_texture, Encoding::Linear)?,
+        emissive: read(material.emissive_texture, Encoding::Srgb)?,
+    };
+    let sizes = [textures.colour.size(), textures.properties.size(), textures.emissive.size()];
+    let size = sizes.into_iter().flatten().max_by_key(|[width, height]| u64::from(*width) * u64::from(*height));
+    let mut maps = MaterialMaps { has_uv, deviation: material.roughness.powi(2) / 2f64.sqrt(), ..Default::default() };
+    maps.reflectance = textures.reflectance(size.unwrap_or([1, 1]));
+    match size {
+        None => maps.colour = textures.shown(0, 0, [1, 1], maps.reflectance),
+        Some(size) => {
+            maps.colour = [1.0; 3];
+            let mut codes = Vec::new();
+            each(size, |x, y| {
+                codes.extend(textures.shown(x, y, size, maps.reflectance).map(|light| linear_to_srgb8(light as f32)))
+            });
+            maps.colour_map = Some(write_map(folder, &format!("colour_{number}.png"), size, Samples::Srgb8(&codes))?);
+        }
+    }
+    if textures.properties.0.is_some() && material.metallic > 0.0 {
+        notes.push(format!("material {number}: an object has one reflectance, the mean of the metallic texture"));
+    }
+    let normals = read(material.normal_texture.map(|normal| normal.image), Encoding::Linear)?;
+    if let (Some(normal), Some(_)) = (material.normal_texture, normals.size()) {
+        maps.normal_map = if normal.scale == 1.0 {
+            images.get(normal.image).cloned()
+        } else {
+            Some(write_scaled_normals(folder, &number, &normals, normal.scale)?)
+        };
+    }
+    if let Some(own) = textures.properties.size() {
+        let size = normals.size().unwrap_or(own);
+        let mut bytes = Vec::new();
+        each(size, |x, y| {
+            let share = textures.properties.texel(x, y, size)[1].powi(2).clamp(0.0, 1.0);
+            bytes.extend(((share * 65535.0).round() as u16).to_be_bytes());
+        });
+        maps.roughness_map =
+            Some(write_map(folder, &format!("roughness_{number}.png"), size, Samples::Grey16(&bytes))?);
+    }
+    Ok(maps)
+}
+
+/// Writes normals whose x and y are multiplied by `scale` (glTF 2.0 §3.9.3).
+fn write_scaled_normals(folder: &Path, number: &str, normals: &Texture, scale: f64) -> Result<String, Failure> {
+    let size = normals.size().unwrap_or([1, 1]);
+    let mut codes = Vec::new();
+    each(size, |x, y| {
+        let [x, y, z] = normals.texel(x, y, size).map(|code| (code * 255.0 - 128.0).max(-127.0) / 127.0);
+        let normal = glam::DVec3::new(x * scale, y * scale, z).normalize_or(glam::DVec3::Z);
+        codes.extend(normal.to_array().map(|part| (part * 127.0 + 128.0).round() as u8));
+    });
+    write_map(folder, &format!("normal_{number}.png"), size, Samples::Rgb8(&codes))
+}
+
+fn write_map(folder: &Path, name: &str, size: [u32; 2], samples: Samples<'_>) -> Result<String, Failure> {
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, size, samples)?;
+    write_bytes(folder, name, &bytes)?;
+    Ok(name.to_owned())
+}
