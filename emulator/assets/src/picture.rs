@@ -7,6 +7,7 @@
 //! file is written next to its name and renamed when complete.
 
 mod compare;
+mod cube_file;
 mod exr_file;
 mod hdr_file;
 mod png_file;
@@ -15,6 +16,7 @@ mod srgb;
 mod tests;
 
 pub use compare::{DIFFERENCE_GAIN, difference, ssim};
+pub use cube_file::{CubeFile, read_cube};
 pub use exr_file::read_exr;
 pub use hdr_file::read_hdr;
 pub use png_file::{Samples, encode_png, read_png, srgb_codes, write_png_codes, write_png_srgb};
