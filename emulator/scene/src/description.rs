@@ -59,6 +59,7 @@ pub(super) struct ObjectDescription {
     pub(super) segments: Option<Spanned<Exactly<i64, 2>>>,
     pub(super) path: Option<Spanned<String>>,
     pub(super) generate: Option<Spanned<String>>,
+    pub(super) offset: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) translate: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) rotate_degrees: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) scale: Option<Spanned<OneOrThree>>,

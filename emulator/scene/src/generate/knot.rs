@@ -65,11 +65,11 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use roughxel_assets::parse_obj;
+    use roughxel_assets::{ReadOptions, parse_obj};
 
     #[test]
     fn the_knot_is_a_closed_tube_that_does_not_touch_itself() {
-        let read = parse_obj(Path::new("knot"), &knot()).unwrap();
+        let read = parse_obj(Path::new("knot"), &knot(), &ReadOptions::default()).unwrap();
         assert!(read.without_uv.is_none() && read.warnings.is_empty(), "{:?}", read.warnings);
         assert_eq!(read.mesh.triangles.len() as u32, 2 * RINGS * CORNERS);
         for vertex in &read.mesh.vertices {
