@@ -7,5 +7,5 @@
 mod mesh;
 pub mod picture;
 
-pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, ReadMesh, ReadOptions, Vertex, parse_obj, read_mesh};
+pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, ReadMesh, ReadOptions, Tangents, Vertex, parse_obj, read_mesh};
 pub use picture::Picture;

@@ -7,6 +7,7 @@ mod build;
 mod kind;
 mod obj;
 mod polygon;
+mod tangents;
 #[cfg(test)]
 mod tests;
 
@@ -16,6 +17,8 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use roughxel_utilities::input::open_file;
+
+pub use tangents::Tangents;
 
 /// Indexed triangles in world space; counter-clockwise seen from the side of the normal for the built-in shapes.
 #[derive(Clone, Debug, Default)]
@@ -80,6 +83,8 @@ impl MeshError {
 pub struct ReadOptions {
     /// Point of the file that becomes the origin, in units of the file.
     pub offset: DVec3,
+    /// Directions of p_u and p_v.
+    pub tangents: Tangents,
 }
 
 /// A mesh read from a file.
@@ -119,7 +124,7 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<ReadMesh, MeshErr
 /// Reads OBJ text as [`read_mesh`] reads a file; `path` only names it. Errors: [`MeshError`].
 pub fn parse_obj(path: &Path, text: &str, options: &ReadOptions) -> Result<ReadMesh, MeshError> {
     let obj::ReadObj { polygons, without_uv } = obj::polygons(path, text, options.offset)?;
-    let built = build::build(&polygons)
+    let built = build::build(&polygons, options.tangents)
         .ok_or_else(|| MeshError::new(path, "has no face with an area", "export the mesh with polygons (`f` lines)"))?;
     let without_uv = without_uv.map(|line| format!("{}:{line}", path.display()));
     Ok(ReadMesh { mesh: built.mesh, without_uv, warnings: built.warnings })

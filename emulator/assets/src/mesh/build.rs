@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 
 use super::polygon::Cutter;
+use super::tangents::{Tangents, follow_mikktspace};
 use super::{Mesh, Vertex};
 
 /// Area of a triangle over the square of its longest edge, below which it is dropped: rounding of the area itself.
@@ -58,11 +59,12 @@ pub(super) enum Smoothing {
 /// A mesh and its repairs, one sentence each.
 pub(super) struct Built {
     pub(super) mesh: Mesh,
+    has_uv: bool,
     pub(super) warnings: Vec<String>,
 }
 
 /// The mesh of some polygons; `None` if nothing is left to draw.
-pub(super) fn build(polygons: &Polygons) -> Option<Built> {
+pub(super) fn build(polygons: &Polygons, directions: Tangents) -> Option<Built> {
     let mut builder = Builder::new(polygons);
     let mut cutter = Cutter::new();
     let (mut first, mut positions, mut triangles) = (0, Vec::new(), Vec::new());
@@ -77,7 +79,11 @@ pub(super) fn build(polygons: &Polygons) -> Option<Built> {
             builder.add(triangle.map(|index| corners[index as usize]));
         }
     }
-    builder.finish()
+    let mut built = builder.finish()?;
+    if directions == Tangents::MikkTSpace && built.has_uv {
+        follow_mikktspace(&mut built.mesh);
+    }
+    Some(built)
 }
 
 /// Vertex of the result: a corner, true if the map is mirrored there, and its mean normal if it has none of its own.
@@ -238,7 +244,7 @@ impl<'a> Builder<'a> {
                  bumps run in any direction there"
             ));
         }
-        Some(Built { mesh: self.mesh, warnings })
+        Some(Built { mesh: self.mesh, has_uv: self.has_uv, warnings })
     }
 }
 

@@ -8,13 +8,14 @@ use toml::Spanned;
 
 use super::maps::Maps;
 use super::material::{Surroundings, material};
-use crate::description::{ObjectDescription, ShapeName};
+use crate::bump::FrameSystem;
+use crate::description::{ObjectDescription, ShapeName, TangentsName};
 use crate::error::SceneError;
 use crate::generate::{mesh_names, mesh_text};
 use crate::scene::Object;
 use crate::shapes::{MAX_SEGMENTS, Placement, Shape};
 use crate::source::{Exactly, Source};
-use roughxel_assets::{MAX_TRIANGLES, Mesh, ReadMesh, ReadOptions, Vertex, parse_obj, read_mesh};
+use roughxel_assets::{MAX_TRIANGLES, Mesh, ReadMesh, ReadOptions, Tangents, Vertex, parse_obj, read_mesh};
 use roughxel_utilities::limits::{LENGTHS, MAX_COORDINATE};
 
 /// Largest offset of a mesh, units: there, coordinates are still exact to a millionth.
@@ -31,13 +32,17 @@ pub(super) fn object(
     let object = object.get_ref();
     let name = object.name.clone().unwrap_or_else(|| format!("object {}", index + 1));
     let (mut mesh, without_uv, shape) = triangles(maps, object, &name, span)?;
-    let placement = placement(maps.source, object)?;
-    let uv_repeat = maps.source.numbers("uv_repeat", &object.uv_repeat, [1.0; 2], 0.001..=4096.0)?;
+    let source = maps.source;
+    let placement = placement(source, object)?;
+    let uv_repeat = source.numbers("uv_repeat", &object.uv_repeat, [1.0; 2], 0.001..=4096.0)?;
     placement.apply(&mut mesh, uv_repeat);
+    if matches!(object.shape.get_ref(), ShapeName::Mesh) && tangents(source, object)? == Tangents::MikkTSpace {
+        mesh.straighten_tangents();
+    }
     let beyond = |vertex: &Vertex| vertex.position.abs().max_element() > 2.0 * MAX_COORDINATE;
     if mesh.vertices.iter().any(beyond) {
         let help = "choose a smaller `scale`, or a smaller shape";
-        return Err(maps.source.value_error(object.shape.span(), "the object reaches too far out", help));
+        return Err(source.value_error(object.shape.span(), "the object reaches too far out", help));
     }
     let material = material(maps, &object.material, &name, shape, without_uv.as_deref(), &placement, there)?;
     Ok(Object { name, mesh, material })
@@ -64,6 +69,7 @@ fn triangles(
         ("path", object.path.as_ref().map(Spanned::span)),
         ("generate", object.generate.as_ref().map(Spanned::span)),
         ("offset", object.offset.as_ref().map(Spanned::span)),
+        ("tangents", object.tangents.as_ref().map(Spanned::span)),
     ];
     let known: &[&str] = match shape_name {
         ShapeName::Plane => &["size", "segments"],
@@ -71,7 +77,7 @@ fn triangles(
         ShapeName::Cylinder => &["radius", "height", "arc_degrees", "segments"],
         ShapeName::Paraboloid => &["radius", "focal_length", "segments"],
         ShapeName::Drapery => &["size", "depth", "folds", "segments"],
-        ShapeName::Mesh => &["path", "generate", "offset"],
+        ShapeName::Mesh => &["path", "generate", "offset", "tangents"],
     };
     for (key, span) in measures {
         if let Some(span) = span
@@ -124,7 +130,7 @@ fn triangles(
 fn mesh(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) -> Result<ReadMesh, SceneError> {
     let source = maps.source;
     let offset = source.numbers("offset", &object.offset, [0.0; 3], -MAX_OFFSET..=MAX_OFFSET)?;
-    let options = ReadOptions { offset: DVec3::from_array(offset) };
+    let options = ReadOptions { offset: DVec3::from_array(offset), tangents: tangents(source, object)? };
     let (read, span) = match (&object.path, &object.generate) {
         (Some(path), None) => (read_mesh(&maps.resolve(path.get_ref()), &options), path.span()),
         (None, Some(name)) => {
@@ -140,6 +146,25 @@ fn mesh(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) 
         }
     };
     read.map_err(|error| source.value_error(span, format!("{}: {}", error.place, error.message), error.remedy))
+}
+
+/// Directions that the tangents of a mesh follow. A normal map from a file was baked, by default for MikkTSpace.
+fn tangents(source: &Source, object: &ObjectDescription) -> Result<Tangents, SceneError> {
+    let is_baked = object.material.normal_map.as_ref().is_some_and(|table| table.get_ref().has("path"));
+    let is_system_2 = matches!(object.material.frame, None | Some(FrameSystem::NaturalNormalised));
+    match &object.tangents {
+        None if is_baked && is_system_2 => Ok(Tangents::MikkTSpace),
+        None => Ok(Tangents::Texture),
+        Some(_) if !is_system_2 => {
+            let span = object.tangents.as_ref().map(Spanned::span).unwrap_or_default();
+            let help = "leave `tangents` or `frame` out";
+            Err(source.value_error(span, "only the frame \"natural-normalised\" takes `tangents`", help))
+        }
+        Some(name) => Ok(match name.get_ref() {
+            TangentsName::Texture => Tangents::Texture,
+            TangentsName::Mikktspace => Tangents::MikkTSpace,
+        }),
+    }
 }
 
 /// Placement of an object.
