@@ -78,9 +78,20 @@ pub struct ModelCamera {
 /// A file that cannot be read, is damaged, requires an unknown extension, names a missing buffer, or has more than
 /// [`MAX_TRIANGLES`] triangles or none.
 pub fn read_model(path: &Path) -> Result<Model, MeshError> {
-    let fail = |message: String| MeshError::new(path, message);
-    let bytes = buffers::read_file(path).map_err(fail)?;
-    let file = parse(&bytes).map_err(fail)?;
+    let bytes = buffers::read_file(path).map_err(|mistake| error(path, &mistake))?;
+    parse_model(path, &bytes)
+}
+
+/// The error of a mistake, whose remedy follows the last semicolon.
+fn error(path: &Path, mistake: &str) -> MeshError {
+    let (message, remedy) = mistake.rsplit_once("; ").unwrap_or((mistake, "export the model again as glTF 2.0"));
+    MeshError::new(path, message, remedy)
+}
+
+/// Reads a model from the bytes of its file, as [`read_model`] does.
+pub(crate) fn parse_model(path: &Path, bytes: &[u8]) -> Result<Model, MeshError> {
+    let fail = |mistake: String| error(path, &mistake);
+    let file = parse(bytes).map_err(fail)?;
     let buffers = Buffers::read(path, &file).map_err(fail)?;
     let mut reader =
         Reader { buffers: &buffers, model: Model::default(), nodes: 0, triangles: 0, ignored: BTreeSet::new() };
@@ -106,6 +117,12 @@ pub fn read_model(path: &Path) -> Result<Model, MeshError> {
 
 /// Parses and validates a file.
 fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
+    // The mark that the specification forbids is written all the same.
+    let bytes = if bytes.starts_with(b"glTF") {
+        bytes
+    } else {
+        bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start()
+    };
     let kind = if bytes.starts_with(b"glTF") { "GLB" } else { "glTF" };
     let unreadable = |reason| format!("is not a readable {kind} file: {reason}; export it again as glTF 2.0");
     let mut file = gltf::Gltf::from_slice_without_validation(bytes).map_err(|reason| unreadable(reason.to_string()))?;

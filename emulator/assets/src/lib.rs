@@ -8,5 +8,5 @@ pub mod gltf;
 mod mesh;
 pub mod picture;
 
-pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, ObjMesh, Vertex, parse_obj, read_obj};
+pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, ReadMesh, ReadOptions, Tangents, Vertex, parse_obj, read_mesh};
 pub use picture::Picture;

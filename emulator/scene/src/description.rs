@@ -59,6 +59,8 @@ pub(super) struct ObjectDescription {
     pub(super) segments: Option<Spanned<Exactly<i64, 2>>>,
     pub(super) path: Option<Spanned<String>>,
     pub(super) generate: Option<Spanned<String>>,
+    pub(super) offset: Option<Spanned<Exactly<f64, 3>>>,
+    pub(super) tangents: Option<Spanned<TangentsName>>,
     pub(super) translate: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) rotate_degrees: Option<Spanned<Exactly<f64, 3>>>,
     pub(super) scale: Option<Spanned<OneOrThree>>,
@@ -77,6 +79,14 @@ pub(super) enum ShapeName {
     Paraboloid,
     Drapery,
     Mesh,
+}
+
+/// `tangents = "…"`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum TangentsName {
+    Mikktspace,
+    Texture,
 }
 
 /// `[object.material]`.

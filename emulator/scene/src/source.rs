@@ -170,6 +170,13 @@ impl Argument {
 #[serde(transparent)]
 pub(super) struct ArgumentTable(pub(super) BTreeMap<Spanned<String>, Spanned<Argument>>);
 
+impl ArgumentTable {
+    /// True if the table has a key.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.0.keys().any(|own| own.get_ref() == key)
+    }
+}
+
 /// Text of a scene, with the context of its errors.
 #[derive(Debug)]
 pub(super) struct Source {

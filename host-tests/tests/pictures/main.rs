@@ -2,6 +2,7 @@
 
 mod frames;
 mod lobes;
+mod meshes;
 mod peak_pyramid;
 mod plan;
 mod real_scenes;

@@ -6,6 +6,7 @@ use roughxel_utilities::random::SplitMix64;
 use serde_json::{Value, json};
 
 use super::*;
+use crate::{ReadMesh, ReadOptions, read_mesh};
 
 /// A square in the plane z = 0 with corners ±1, normals +z and texture coordinates 0 to 1 (v downwards).
 const POSITIONS: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
@@ -219,6 +220,34 @@ fn the_camera_of_the_scene_is_where_its_node_is() {
             && close(camera.up, [0.0, 1.0, 0.0])
     );
     assert!((camera.fov_y_degrees - 0.5f64.to_degrees()).abs() < 1e-6);
+}
+
+#[test]
+fn a_model_is_a_mesh_too_whatever_its_file_is_called() {
+    let files = Files::new();
+    let mut json = square();
+    json["nodes"] = json!([{ "mesh": 0, "translation": [5, 0, 0] }, { "mesh": 0 }]);
+    json["scenes"][0]["nodes"] = json!([0, 1]);
+    files.write("buffer.bin", &chunk());
+    let glb = glb(&json, &chunk());
+    json["buffers"][0]["uri"] = json!("buffer.bin");
+    let text = [b"\xef\xbb\xbf \n", json.to_string().as_bytes()].concat();
+    let options = ReadOptions { offset: DVec3::new(1.0, 0.0, 0.0), ..Default::default() };
+    for bytes in [glb, text] {
+        let ReadMesh { mesh, without_uv, warnings } = read_mesh(&files.write("mesh.obj", &bytes), &options).unwrap();
+        assert_eq!((mesh.vertices.len(), mesh.triangles.len(), without_uv), (8, 4, None));
+        assert!(mesh.vertices.iter().any(|vertex| close(vertex.position, [5.0, 1.0, 0.0])));
+        // u runs along +x, v along +y; a repeat is 2 long.
+        assert!(
+            mesh.vertices
+                .iter()
+                .all(|vertex| close(vertex.tangents[0], [2.0, 0.0, 0.0]) && close(vertex.tangents[1], [0.0, 2.0, 0.0]))
+        );
+        assert!(warnings[0].contains("roughxel import"), "{warnings:?}");
+    }
+    json["nodes"][1]["translation"] = json!([2e6, 0, 0]);
+    let far = read_mesh(&files.write("far.gltf", json.to_string().as_bytes()), &options).unwrap_err();
+    assert!(far.to_string().contains("`offset`"), "{far}");
 }
 
 #[test]

@@ -19,6 +19,11 @@ fn middle(turns: f64) -> DVec3 {
     DVec3::new(reach * cos_turns(2.0 * turns), TORUS[1] * sin_turns(3.0 * turns), reach * sin_turns(2.0 * turns))
 }
 
+/// A coordinate of six decimal places in f32, as most programs write it.
+fn written(coordinate: f64) -> f64 {
+    f64::from(((coordinate * 1e6).round() / 1e6) as f32)
+}
+
 /// OBJ text: positions and texture coordinates (u along the knot, v around the tube, one repeat each), no normals.
 ///
 /// Length : circumference is 10.2 : 1 within 5 %: the repeats that make texels square.
@@ -36,14 +41,15 @@ pub(super) fn knot() -> String {
         for corner in 0..CORNERS {
             let around = f64::from(corner) / f64::from(CORNERS);
             let p = at + TUBE * (out * cos_turns(around) + side * sin_turns(around));
+            let [x, y, z] = p.to_array().map(written);
             // Writing to a String cannot fail.
-            let _ = writeln!(text, "v {:.6} {:.6} {:.6}", p.x, p.y, p.z);
+            let _ = writeln!(text, "v {x} {y} {z}");
         }
     }
     for ring in 0..=RINGS {
         for corner in 0..=CORNERS {
-            let [u, v] = [f64::from(ring) / f64::from(RINGS), f64::from(corner) / f64::from(CORNERS)];
-            let _ = writeln!(text, "vt {u:.6} {v:.6}");
+            let [u, v] = [f64::from(ring) / f64::from(RINGS), f64::from(corner) / f64::from(CORNERS)].map(written);
+            let _ = writeln!(text, "vt {u} {v}");
         }
     }
     for ring in 0..RINGS {
@@ -65,11 +71,11 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use roughxel_assets::parse_obj;
+    use roughxel_assets::{ReadOptions, parse_obj};
 
     #[test]
     fn the_knot_is_a_closed_tube_that_does_not_touch_itself() {
-        let read = parse_obj(Path::new("knot"), &knot()).unwrap();
+        let read = parse_obj(Path::new("knot"), &knot(), &ReadOptions::default()).unwrap();
         assert!(read.without_uv.is_none() && read.warnings.is_empty(), "{:?}", read.warnings);
         assert_eq!(read.mesh.triangles.len() as u32, 2 * RINGS * CORNERS);
         for vertex in &read.mesh.vertices {

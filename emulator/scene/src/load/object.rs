@@ -8,14 +8,18 @@ use toml::Spanned;
 
 use super::maps::Maps;
 use super::material::{Surroundings, material};
-use crate::description::{ObjectDescription, ShapeName};
+use crate::bump::FrameSystem;
+use crate::description::{ObjectDescription, ShapeName, TangentsName};
 use crate::error::SceneError;
 use crate::generate::{mesh_names, mesh_text};
 use crate::scene::Object;
 use crate::shapes::{MAX_SEGMENTS, Placement, Shape};
 use crate::source::{Exactly, Source};
-use roughxel_assets::{MAX_TRIANGLES, Mesh, ObjMesh, Vertex, parse_obj, read_obj};
+use roughxel_assets::{MAX_TRIANGLES, Mesh, ReadMesh, ReadOptions, Tangents, Vertex, parse_obj, read_mesh};
 use roughxel_utilities::limits::{LENGTHS, MAX_COORDINATE};
+
+/// Largest offset of a mesh, units: there, coordinates are still exact to a millionth.
+const MAX_OFFSET: f64 = 1e9;
 
 /// One object, its maps read.
 pub(super) fn object(
@@ -28,13 +32,17 @@ pub(super) fn object(
     let object = object.get_ref();
     let name = object.name.clone().unwrap_or_else(|| format!("object {}", index + 1));
     let (mut mesh, without_uv, shape) = triangles(maps, object, &name, span)?;
-    let placement = placement(maps.source, object)?;
-    let uv_repeat = maps.source.numbers("uv_repeat", &object.uv_repeat, [1.0; 2], 0.001..=4096.0)?;
+    let source = maps.source;
+    let placement = placement(source, object)?;
+    let uv_repeat = source.numbers("uv_repeat", &object.uv_repeat, [1.0; 2], 0.001..=4096.0)?;
     placement.apply(&mut mesh, uv_repeat);
+    if matches!(object.shape.get_ref(), ShapeName::Mesh) && tangents(source, object)? == Tangents::MikkTSpace {
+        mesh.straighten_tangents();
+    }
     let beyond = |vertex: &Vertex| vertex.position.abs().max_element() > 2.0 * MAX_COORDINATE;
     if mesh.vertices.iter().any(beyond) {
         let help = "choose a smaller `scale`, or a smaller shape";
-        return Err(maps.source.value_error(object.shape.span(), "the object reaches too far out", help));
+        return Err(source.value_error(object.shape.span(), "the object reaches too far out", help));
     }
     let material = material(maps, &object.material, &name, shape, without_uv.as_deref(), &placement, there)?;
     Ok(Object { name, mesh, material })
@@ -60,6 +68,8 @@ fn triangles(
         ("segments", object.segments.as_ref().map(Spanned::span)),
         ("path", object.path.as_ref().map(Spanned::span)),
         ("generate", object.generate.as_ref().map(Spanned::span)),
+        ("offset", object.offset.as_ref().map(Spanned::span)),
+        ("tangents", object.tangents.as_ref().map(Spanned::span)),
     ];
     let known: &[&str] = match shape_name {
         ShapeName::Plane => &["size", "segments"],
@@ -67,7 +77,7 @@ fn triangles(
         ShapeName::Cylinder => &["radius", "height", "arc_degrees", "segments"],
         ShapeName::Paraboloid => &["radius", "focal_length", "segments"],
         ShapeName::Drapery => &["size", "depth", "folds", "segments"],
-        ShapeName::Mesh => &["path", "generate"],
+        ShapeName::Mesh => &["path", "generate", "offset", "tangents"],
     };
     for (key, span) in measures {
         if let Some(span) = span
@@ -97,10 +107,9 @@ fn triangles(
             folds: source.number("folds", &object.folds, 5.0, 0.25..=64.0)?,
         },
         ShapeName::Mesh => {
-            let ObjMesh { mesh, without_uv, warnings } = obj(maps, object, object_span)?;
-            let file = object.path.as_ref().map(|path| maps.resolve(path.get_ref())).unwrap_or_default();
+            let ReadMesh { mesh, without_uv, warnings } = mesh(maps, object, object_span)?;
             maps.warnings.extend(warnings.into_iter().map(|warning| format!("{name}: {warning}")));
-            return Ok((mesh, without_uv.map(|line| format!("{}:{line}", file.display())), None));
+            return Ok((mesh, without_uv, None));
         }
     };
     let segments = match &object.segments {
@@ -118,23 +127,44 @@ fn triangles(
 }
 
 /// The triangles of a mesh, from a file or generated.
-fn obj(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) -> Result<ObjMesh, SceneError> {
+fn mesh(maps: &Maps<'_>, object: &ObjectDescription, object_span: Range<usize>) -> Result<ReadMesh, SceneError> {
     let source = maps.source;
+    let offset = source.numbers("offset", &object.offset, [0.0; 3], -MAX_OFFSET..=MAX_OFFSET)?;
+    let options = ReadOptions { offset: DVec3::from_array(offset), tangents: tangents(source, object)? };
     let (read, span) = match (&object.path, &object.generate) {
-        (Some(path), None) => (read_obj(&maps.resolve(path.get_ref())), path.span()),
+        (Some(path), None) => (read_mesh(&maps.resolve(path.get_ref()), &options), path.span()),
         (None, Some(name)) => {
             let text = mesh_text(name.get_ref()).ok_or_else(|| {
                 let message = format!("there is no generated mesh `{}`", name.get_ref());
                 source.value_error(name.span(), message, format!("the generated ones are: {}", mesh_names()))
             })?;
-            (parse_obj(Path::new(name.get_ref()), &text), name.span())
+            (parse_obj(Path::new(name.get_ref()), &text, &options), name.span())
         }
         _ => {
             let help = "give exactly one of `path` (an OBJ file, relative to the scene file) and `generate`";
             return Err(source.value_error(object_span, "a mesh needs a file", help));
         }
     };
-    read.map_err(|error| source.value_error(span, error.to_string(), "paths are relative to the scene file"))
+    read.map_err(|error| source.value_error(span, format!("{}: {}", error.place, error.message), error.remedy))
+}
+
+/// Directions that the tangents of a mesh follow. A normal map from a file was baked, by default for MikkTSpace.
+fn tangents(source: &Source, object: &ObjectDescription) -> Result<Tangents, SceneError> {
+    let is_baked = object.material.normal_map.as_ref().is_some_and(|table| table.get_ref().has("path"));
+    let is_system_2 = matches!(object.material.frame, None | Some(FrameSystem::NaturalNormalised));
+    match &object.tangents {
+        None if is_baked && is_system_2 => Ok(Tangents::MikkTSpace),
+        None => Ok(Tangents::Texture),
+        Some(_) if !is_system_2 => {
+            let span = object.tangents.as_ref().map(Spanned::span).unwrap_or_default();
+            let help = "leave `tangents` or `frame` out";
+            Err(source.value_error(span, "only the frame \"natural-normalised\" takes `tangents`", help))
+        }
+        Some(name) => Ok(match name.get_ref() {
+            TangentsName::Texture => Tangents::Texture,
+            TangentsName::Mikktspace => Tangents::MikkTSpace,
+        }),
+    }
 }
 
 /// Placement of an object.

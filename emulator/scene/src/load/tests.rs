@@ -347,3 +347,43 @@ fn frame_sizes_from_outside_are_checked() {
         assert!(error.starts_with(&format!("a frame of {width}×{height} pixels is out of range")), "{error}");
     }
 }
+
+#[test]
+fn keys_of_a_mesh_are_checked_and_errors_of_its_file_say_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = "v 5000000 0 0\nv 5000001 0 0\nv 5000000 1 0\nvt 0 0\nvt 1 0\nvt 0.5 1\nf 1/1 2/2 3/3\n";
+    std::fs::write(folder.path().join("far.obj"), mesh).unwrap();
+    std::fs::write(folder.path().join("x.obj"), "ply\nformat ascii 1.0\n").unwrap();
+    let read = |keys: &str| {
+        let text = format!("{CAMERA}[[object]]\nshape = \"mesh\"\n{keys}\n");
+        Scene::from_toml("test.toml", &text, folder.path()).map_err(|error| {
+            let SceneError::Fault(fault) = error else { panic!("{error}") };
+            (fault.message, fault.help)
+        })
+    };
+    let scene = read("path = \"far.obj\"\noffset = [5e6, 0, 0]").unwrap();
+    assert_eq!(scene.objects[0].mesh.vertices[1].position, DVec3::X);
+    let hammered = "material = { normal_map = { generate = \"hammered\", size = 16 } }";
+    for (keys, message, help) in [
+        ("path = \"no.obj\"", "cannot read the mesh", "paths are relative to the scene file"),
+        ("path = \"x.obj\"", "the file is a PLY mesh", "OBJ is read: export the mesh as OBJ"),
+        ("path = \"far.obj\"", "far.obj:1: coordinate `5000000` is not within", "`offset = [5000000, 0, 0]`"),
+        ("path = \"far.obj\"\noffset = [2e9, 0, 0]", "`offset` is 2000000000, which is out of range", "choose"),
+        (
+            "path = \"far.obj\"\noffset = [5e6, 0, 0]\nmaterial = { frame = \"main-direction\" }\ntangents = \"texture\"",
+            "only the frame",
+            "leave",
+        ),
+    ] {
+        let (found, remedy) = read(keys).unwrap_err();
+        assert!(found.contains(message) && remedy.contains(help), "{keys}: {found}; {remedy}");
+    }
+    // A generated map was not baked, so it follows the texture; p_v leans with the chart.
+    let leaning = |keys: &str| {
+        let scene = read(&format!("path = \"far.obj\"\noffset = [5e6, 0, 0]\n{keys}\n{hammered}")).unwrap();
+        let vertex = scene.objects[0].mesh.vertices[0];
+        vertex.tangents[0].dot(vertex.tangents[1]).abs() > 0.1
+    };
+    assert!(leaning("") && leaning("tangents = \"texture\"") && !leaning("tangents = \"mikktspace\""));
+    assert!(!leaning("scale = [3, 0.5, 1]\ntangents = \"mikktspace\""));
+}
