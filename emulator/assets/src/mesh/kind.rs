@@ -30,11 +30,13 @@ const BEGINNINGS: &[(&[u8], &str, &str)] = &[
     (b"#VRML", "a VRML scene", EXPORT),
     (b"OFF\n", "an OFF mesh", EXPORT),
     (b"OFF\r", "an OFF mesh", EXPORT),
-    (b"COFF\n", "an OFF mesh", EXPORT),
+    (b"OFF ", "an OFF mesh", EXPORT),
+    (b"COFF", "an OFF mesh", EXPORT),
+    (b"NOFF", "an OFF mesh", EXPORT),
     (b"# .PCD", "a point cloud (PCD)", EXPORT),
     (b"PK\x03\x04", "a ZIP archive (ZIP, 3MF or USDZ)", UNPACK),
     (b"\x1f\x8b", "compressed by gzip", UNPACK),
-    (b"\x28\xb5\x2f\xfd", "compressed by Zstandard (Blender files are)", UNPACK),
+    (b"\x28\xb5\x2f\xfd", "compressed by Zstandard, as Blender files are", EXPORT),
     (b"7z\xbc\xaf\x27\x1c", "a 7-Zip archive", UNPACK),
     (b"\x89PNG", "a PNG picture", PICTURE),
     (b"\xff\xd8\xff", "a JPEG picture", PICTURE),
@@ -102,6 +104,12 @@ pub(super) fn foreign(bytes: &[u8]) -> Option<Foreign> {
     }
     let head = String::from_utf8_lossy(head).to_ascii_lowercase();
     let head = head.trim_start_matches('\u{feff}').trim_start();
+    if head.lines().any(|line| line.trim_start().starts_with("newmtl")) {
+        return Some(Foreign {
+            what: "a material library (MTL)",
+            remedy: "OBJ is read: name the OBJ file that uses it",
+        });
+    }
     TEXTS
         .iter()
         .find(|(start, word, ..)| head.starts_with(start) && head.contains(word))

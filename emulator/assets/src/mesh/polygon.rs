@@ -58,7 +58,7 @@ impl Cutter {
         let v = normal.cross(u);
         self.flat.clear();
         self.flat.extend(corners.iter().map(|corner| DVec2::new((corner - first).dot(u), (corner - first).dot(v))));
-        self.earcut.earcut(self.flat.iter().map(|point| point.to_array()), &[], &mut self.indices);
+        self.earcut.earcut(self.flat.iter().map(DVec2::to_array), &[], &mut self.indices);
         let Some(mut ears) = ears(&self.flat, &self.indices, newell.length(), rounding) else { return false };
         insert_collinear(&self.flat, &mut ears, rounding);
         *triangles = ears;

@@ -52,6 +52,8 @@ fn a_file_of_another_kind_is_named() {
         (b"<!DOCTYPE html><html>".to_vec(), "a web page"),
         (b"version https://git-lfs.github.com/spec/v1\n".to_vec(), "a pointer of Git LFS"),
         (b"OFF\n8 6 0\n".to_vec(), "an OFF mesh"),
+        (b"COFF\n8 6 0\n".to_vec(), "an OFF mesh"),
+        (b"# materials\n\nnewmtl red\nKd 1 0 0\n".to_vec(), "a material library (MTL)"),
         (padded(b"\x89PNG\r\n\x1a\n"), "a PNG picture"),
         (padded(b"\xff\xd8\xff\xe0"), "a JPEG picture"),
         (padded(b"\x76\x2f\x31\x01"), "an EXR picture"),

@@ -15,8 +15,8 @@ const RIGHT: DVec3 = DVec3::new(HALF, 0.0, HALF);
 /// Normals at the ridge: of the first and of the second face.
 fn ridge(read: &ReadMesh) -> [DVec3; 2] {
     let near = |triangles: &[[u32; 3]]| {
-        let vertices = triangles.iter().flatten().map(|index| read.mesh.vertices[*index as usize]);
-        vertices.filter(|vertex| vertex.position == DVec3::new(0.0, 0.0, 1.0)).next_back().unwrap().normal
+        let mut vertices = triangles.iter().flatten().map(|index| read.mesh.vertices[*index as usize]);
+        vertices.rfind(|vertex| vertex.position == DVec3::new(0.0, 0.0, 1.0)).unwrap().normal
     };
     [near(&read.mesh.triangles[..2]), near(&read.mesh.triangles[2..4])]
 }
