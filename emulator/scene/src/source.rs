@@ -103,6 +103,7 @@ impl From<OneOrThree> for [f64; 3] {
 /// A value in a table whose keys depend on a generator.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Argument {
+    Flag(bool),
     Number(f64),
     Text(String),
     Numbers(Vec<f64>),
@@ -116,7 +117,11 @@ impl<'de> Deserialize<'de> for Argument {
             type Value = Argument;
 
             fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("a number, a text, or an array of numbers or of texts")
+                out.write_str("a number, a text, true or false, or an array of numbers or of texts")
+            }
+
+            fn visit_bool<E>(self, value: bool) -> Result<Argument, E> {
+                Ok(Argument::Flag(value))
             }
 
             fn visit_f64<E>(self, value: f64) -> Result<Argument, E> {
@@ -137,8 +142,8 @@ impl<'de> Deserialize<'de> for Argument {
                     match item {
                         Argument::Number(number) => numbers.push(number),
                         Argument::Text(text) => texts.push(text),
-                        Argument::Numbers(_) | Argument::Texts(_) => {
-                            return Err(serde::de::Error::custom("an array inside an array is not known here"));
+                        Argument::Flag(_) | Argument::Numbers(_) | Argument::Texts(_) => {
+                            return Err(serde::de::Error::custom("an array holds numbers or texts here"));
                         }
                     }
                     if numbers.len() + texts.len() > MAX_LIST {
@@ -389,6 +394,26 @@ impl<'a> Arguments<'a> {
             self.source.in_range(key, number, span.clone(), range.clone())?;
         }
         Ok(Some(numbers))
+    }
+
+    /// `true` or `false` with its place, if the key is there.
+    pub(super) fn flag(&self, key: &'static str, default: impl fmt::Display) -> Found<bool> {
+        self.found(key, default, "true or false", |value| match value {
+            Argument::Flag(flag) => Some(*flag),
+            _ => None,
+        })
+    }
+
+    /// One of several words, if the key is there; `None` for a missing key.
+    pub(super) fn word<T: Copy>(&self, key: &'static str, words: &[(&str, T)]) -> Result<Option<T>, SceneError> {
+        let Some((text, span)) = self.text(key)? else { return Ok(None) };
+        if let Some((_, meant)) = words.iter().find(|(word, _)| *word == text) {
+            return Ok(Some(*meant));
+        }
+        let names = || words.iter().map(|(word, _)| *word);
+        let known: Vec<_> = names().map(|word| format!("\"{word}\"")).collect();
+        let help = format!("{}choose {}", did_you_mean(text, names()), known.join(" or "));
+        Err(self.error_at(span, format!("`{key}` is \"{text}\""), help))
     }
 
     /// A text with its place, if the key is there.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::light;
-use crate::bump::{BumpField, FrameSystem, HeightScale, OFFSET_LIMIT};
+use crate::bump::{BumpField, Edges, FrameSystem, Green, HeightScale, OFFSET_LIMIT};
 use crate::description::MaterialDescription;
 use crate::error::SceneError;
 use crate::generate::{
@@ -172,11 +172,13 @@ impl Maps<'_> {
         }
         let (field, clamped) = if is_height {
             let scale = height_scale(&arguments, frame)?;
+            let wraps = arguments.flag("wrap", true)?.is_none_or(|(wraps, _)| wraps);
+            let edges = if wraps { Edges::Wrapped } else { Edges::Open };
             let heights = self.picture(&arguments, &HEIGHT_MAPS, Encoding::Linear)?;
             if with_heights {
-                BumpField::with_heights(&heights, scale, frame)
+                BumpField::with_heights(&heights, scale, frame, edges)
             } else {
-                BumpField::from_heights(&heights, scale, frame)
+                BumpField::from_heights(&heights, scale, frame, edges)
             }
         } else {
             if frame == FrameSystem::Natural {
@@ -184,7 +186,12 @@ impl Maps<'_> {
                 let message = "the frame \"natural\" needs heights: a normal map has no depth";
                 return Err(arguments.error(message, help));
             }
-            BumpField::from_normals(&self.picture(&arguments, &NORMAL_MAPS, Encoding::Linear)?)
+            let green = arguments.word("green", &[("up", Green::Up), ("down", Green::Down)])?.unwrap_or_default();
+            if let Some((_, span)) = arguments.flag("wrap", "–")? {
+                let help = "leave `wrap` out: normals are taken as they are, no slope is taken across an edge";
+                return Err(arguments.error_at(span, "`wrap` belongs to a height map", help));
+            }
+            BumpField::from_normals(&self.picture(&arguments, &NORMAL_MAPS, Encoding::Linear)?, green)
         };
         if clamped > 0 {
             self.warnings.push(format!(
@@ -254,14 +261,8 @@ impl Maps<'_> {
             return Ok((RoughnessField::uniform(factor), 0));
         }
         let deviation = arguments.number("deviation", 0.25, 0.0..=MAX_DEVIATION)?;
-        let channels = match arguments.text("channels")? {
-            None | Some(("isotropic", _)) => RoughnessChannels::Isotropic,
-            Some(("anisotropic", _)) => RoughnessChannels::Anisotropic,
-            Some((other, span)) => {
-                let message = format!("`channels` is \"{other}\"");
-                return Err(arguments.error_at(span, message, "choose \"isotropic\" or \"anisotropic\""));
-            }
-        };
+        let words = [("isotropic", RoughnessChannels::Isotropic), ("anisotropic", RoughnessChannels::Anisotropic)];
+        let channels = arguments.word("channels", &words)?.unwrap_or(RoughnessChannels::Isotropic);
         // The grey of a height map serves for a deviation as well as for a height.
         let picture = self.picture(arguments, &HEIGHT_MAPS, Encoding::Linear)?;
         Ok(RoughnessField::from_picture(&picture, channels, deviation))
