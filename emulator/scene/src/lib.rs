@@ -12,6 +12,7 @@ mod bump;
 pub mod cube;
 mod description;
 mod error;
+mod faces;
 mod generate;
 pub mod levels;
 mod lighting;

@@ -12,20 +12,17 @@ use crate::bump::{BumpField, Edges, FrameSystem, Green, HeightScale, OFFSET_LIMI
 use crate::description::MaterialDescription;
 use crate::error::SceneError;
 use crate::generate::{
-    COLOUR_MAPS, ENVIRONMENTS, Generators, HEIGHT_MAPS, MapProgress, NORMAL_MAPS, UNIFORM_ROUGHNESS, uniform_roughness,
+    COLOUR_MAPS, Generators, HEIGHT_MAPS, MapProgress, NORMAL_MAPS, UNIFORM_ROUGHNESS, uniform_roughness,
 };
 use crate::lighting::PEAK_HEIGHTS;
-use crate::panorama::faces_from_equirectangular;
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
-use crate::scene::EnvironmentSource;
 use crate::source::{ArgumentTable, Arguments, Source};
 use roughxel_assets::picture::{Encoding, Picture, read_exr, read_hdr, read_png};
-use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 
 /// Reads the maps of one scene; a map that is named more than once is made once.
 pub(super) struct Maps<'a> {
     pub(super) source: &'a Source,
-    progress: &'a dyn MapProgress,
+    pub(super) progress: &'a dyn MapProgress,
     colour_maps: HashMap<String, Arc<Picture>>,
     bumps: HashMap<String, Arc<BumpField>>,
     roughness: HashMap<String, Arc<RoughnessField>>,
@@ -48,55 +45,13 @@ impl<'a> Maps<'a> {
 }
 
 impl Maps<'_> {
-    /// The six faces of `[environment]`.
-    pub(super) fn environment(&mut self, table: &Spanned<ArgumentTable>) -> Result<EnvironmentSource, SceneError> {
-        let arguments = Arguments::new(self.source, table);
-        let generate = arguments.text("generate")?;
-        let equirectangular = arguments.text("equirectangular")?;
-        let paths = arguments.texts("faces")?;
-        let exposure = arguments.number("exposure", 0.0, EXPOSURES)?;
-        let mut faces = match (generate, equirectangular, paths) {
-            (Some(named), None, None) => ENVIRONMENTS.make(&arguments, named, self.progress)?,
-            (None, Some((path, span)), None) => {
-                let face_edge = arguments.whole("face_edge", 512, 1..=MAX_FACE_EDGE)?;
-                let picture = self.read_picture(path, span, Encoding::Srgb)?;
-                faces_from_equirectangular(&picture, face_edge)
-            }
-            (None, None, Some((paths, span))) => self.six_faces(paths, span)?,
-            _ => {
-                return Err(arguments.error(
-                    "the environment is not clear",
-                    "give exactly one of: `faces` (six files), `equirectangular` (a file), `generate` (a name)",
-                ));
-            }
-        };
-        arguments.finish()?;
-        light::expose(&mut faces, exposure);
-        self.warnings.extend(light::cut_environment(&faces));
-        Ok(EnvironmentSource { faces })
-    }
-
-    fn six_faces(&self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
-        let wrong_count = |_| {
-            let message = format!("`faces` names {} files", paths.len());
-            self.source.value_error(span.clone(), message, "name six: +x, −x, +y, −y, +z, −z, in this order")
-        };
-        let mut faces = Vec::new();
-        for path in <&[String; 6]>::try_from(paths).map_err(|_| wrong_count(()))? {
-            let face = self.read_picture(path, span.clone(), Encoding::Srgb)?;
-            let edge = faces.first().map_or(face.width, |first: &Picture| first.width);
-            if face.width != face.height || face.width != edge || edge > MAX_FACE_EDGE {
-                let message = format!("the face `{path}` has {}×{} pixels", face.width, face.height);
-                let help = format!("all six must be squares of one size of at most {MAX_FACE_EDGE} pixels");
-                return Err(self.source.value_error(span, message, help));
-            }
-            faces.push(face);
-        }
-        <[Picture; 6]>::try_from(faces).map_err(|_| wrong_count(()))
-    }
-
     /// Reads a PNG or, by its ending, an EXR or HDR file (always linear).
-    fn read_picture(&self, path: &str, span: Range<usize>, encoding: Encoding) -> Result<Picture, SceneError> {
+    pub(super) fn read_picture(
+        &self,
+        path: &str,
+        span: Range<usize>,
+        encoding: Encoding,
+    ) -> Result<Picture, SceneError> {
         let path = self.resolve(path);
         let is = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
         let picture = match () {
