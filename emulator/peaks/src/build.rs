@@ -177,7 +177,7 @@ impl Base {
         let mut slopes = source
             .heights
             .as_ref()
-            .map_or_else(Vec::new, |heights| horizon_slopes(source.width, source.height, heights));
+            .map_or_else(Vec::new, |heights| horizon_slopes(source.width, source.height, heights, source.edges));
         if options.negate {
             slopes.iter_mut().for_each(|[left, right, down, up]| {
                 std::mem::swap(left, right);

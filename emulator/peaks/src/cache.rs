@@ -17,6 +17,7 @@ use sha2::{Digest, Sha256};
 use super::build::{Part, Parts, Texels};
 use super::levels::{FitCounts, Horizon, Peak, PeakLevel, PeakPyramid, Steps};
 use super::source::{BuildOptions, EXPONENTS, MAX_PEAKS, PeakError, PeakSource, texels};
+use roughxel_scene::Edges;
 use roughxel_scene::levels::level_sizes;
 
 /// First bytes of a file. The number changes with the format and with every change of the built content.
@@ -153,6 +154,9 @@ fn key(source: &PeakSource, options: &BuildOptions) -> [u8; HASH] {
         hash.update(height.to_le_bytes());
     }
     hash.update(source.rows_apart.to_le_bytes());
+    if source.edges == Edges::Open {
+        hash.update(b"open");
+    }
     hash.finalize().into()
 }
 
@@ -420,6 +424,7 @@ mod tests {
         source_with(&|source| source.heights.iter_mut().for_each(|heights| heights[15] += 1e-9));
         source_with(&|source| (source.width, source.height) = (2, 8));
         source_with(&|source| source.rows_apart = 2.0);
+        source_with(&|source| source.edges = Edges::Open);
         for options in [
             BuildOptions { exponent: 41.0, ..options },
             BuildOptions { amplitude: 0.5, ..options },

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 use roughxel_scene::{
-    BumpField, FrameSystem, HeightField, MAX_PEAK_TEXELS, Material, PEAK_HEIGHTS, PeakSource as ScenePeakSource,
+    BumpField, Edges, FrameSystem, HeightField, MAX_PEAK_TEXELS, Material, PEAK_HEIGHTS, PeakSource as ScenePeakSource,
 };
 use thiserror::Error;
 
@@ -38,6 +38,8 @@ pub struct PeakSource {
     pub heights: Option<Vec<f64>>,
     /// Distance between rows over the distance between columns, above 0: 1 for square texels.
     pub rows_apart: f64,
+    /// Reach of horizons: around the edges of the map, or up to them.
+    pub edges: Edges,
 }
 
 impl PeakSource {
@@ -51,6 +53,7 @@ impl PeakSource {
             normals: field.offsets.iter().map(normal).collect(),
             heights: field.heights.as_ref().map(heights),
             rows_apart: field.heights.as_ref().map_or(1.0, |kept| kept.rows_apart),
+            edges: field.heights.as_ref().map_or(Edges::Wrapped, |kept| kept.edges),
         }
     }
 

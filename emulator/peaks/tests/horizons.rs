@@ -2,7 +2,7 @@
 
 use roughxel_assets::Picture;
 use roughxel_peaks::{BuildOptions, FacetWeight, PeakPyramid, PeakSource};
-use roughxel_scene::{BumpField, FrameSystem, HeightScale};
+use roughxel_scene::{BumpField, Edges, FrameSystem, HeightScale};
 
 fn picture(width: u32, height: u32, value: impl Fn(u32, u32) -> [f32; 3]) -> Picture {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| value(x, y)).collect();
@@ -22,7 +22,7 @@ fn kept_hills() -> impl Iterator<Item = (FrameSystem, BumpField)> {
     [(24, 24), (40, 16), (12, 60)].into_iter().flat_map(|(width, height)| {
         FRAMES.into_iter().flat_map(move |frame| {
             let scales = [HeightScale::Height(0.3), HeightScale::Height(-0.07), HeightScale::RmsSlope(0.4)];
-            let field = move |scale| BumpField::with_heights(&hill(width, height), scale, frame);
+            let field = move |scale| BumpField::with_heights(&hill(width, height), scale, frame, Edges::Wrapped);
             scales.into_iter().map(field).map(move |(field, clamped)| {
                 assert_eq!(clamped, 0);
                 (frame, field)

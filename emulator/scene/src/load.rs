@@ -1,5 +1,6 @@
 //! Steps from the keys of a scene file to a [`Scene`]: ranges, files, generated maps, defaults.
 
+mod environment;
 mod light;
 mod lights;
 mod maps;

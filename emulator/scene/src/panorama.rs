@@ -1,4 +1,4 @@
-//! Six cube faces from an equirectangular picture.
+//! Six cube faces from an equirectangular picture, of the sphere or of a part of it.
 //!
 //! Resampling averages a grid of bilinear samples no further apart than one texel of the equirectangular picture, so it
 //! cannot alias. The grid has at most 64×64 samples, which only texels around the poles reach. Angles come from a fixed
@@ -14,6 +14,56 @@ use roughxel_assets::Picture;
 
 /// Most samples of a face texel along an axis.
 const MOST_SAMPLES: f64 = 64.0;
+
+/// Directions between the borders of an equirectangular picture, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent {
+    /// Azimuths of the left and the right border: 0 is −z, 90 is +x. Range: 1 to 360 apart.
+    pub(super) longitudes: [f64; 2],
+    /// Elevations of the lower and the upper border. Range: 1 to 180 apart, −90 to 90.
+    pub(super) latitudes: [f64; 2],
+}
+
+impl Extent {
+    /// The whole sphere, −z in the middle.
+    pub(super) const SPHERE: Self = Self { longitudes: [-180.0, 180.0], latitudes: [-90.0, 90.0] };
+
+    /// Width over height of square pixels.
+    pub(super) fn ratio(&self) -> f64 {
+        let [across, up] = [self.longitudes, self.latitudes].map(|[from, to]| to - from);
+        across / up
+    }
+
+    /// Width and height of a picture of the whole sphere with pixels as large as those of a picture of this extent.
+    pub(super) fn whole_size(&self, picture: &Picture) -> [u64; 2] {
+        let [across, up] = [self.longitudes, self.latitudes].map(|[from, to]| to - from);
+        let whole = |pixels: u32, degrees: f64, all: f64| (f64::from(pixels) * all / degrees).round() as u64;
+        [whole(picture.width, across, 360.0), whole(picture.height, up, 180.0)]
+    }
+
+    /// A picture of the whole sphere, black around the extent. Borders are moved to whole pixels.
+    ///
+    /// The size is that of [`Extent::whole_size`], which the caller bounds.
+    pub(super) fn on_the_sphere(&self, picture: Picture) -> Picture {
+        if *self == Self::SPHERE {
+            return picture;
+        }
+        let [width, height] = self.whole_size(&picture).map(|size| size as usize);
+        let columns = picture.width as usize;
+        let left = ((self.longitudes[0] + 180.0) / 360.0 * width as f64).round() as i64;
+        let left = left.rem_euclid(width as i64) as usize;
+        let top = ((90.0 - self.latitudes[1]) / 180.0 * height as f64).round() as usize;
+        let top = top.min(height - picture.height as usize);
+        let mut whole = Picture::filled(width as u32, height as u32, [0.0; 3]);
+        let rows = whole.pixels.chunks_exact_mut(width).skip(top);
+        for (to, from) in rows.zip(picture.pixels.chunks_exact(columns)) {
+            let until_the_border = columns.min(width - left);
+            to[left..left + until_the_border].copy_from_slice(&from[..until_the_border]);
+            to[..columns - until_the_border].copy_from_slice(&from[until_the_border..]);
+        }
+        whole
+    }
+}
 
 /// Resamples an equirectangular panorama to six cube faces of `face_edge` (at least 1) pixels.
 ///

@@ -3,7 +3,8 @@
 //! Tables whose keys depend on a generator's name are read as [`ArgumentTable`]. [`Arguments`] asks them key by key,
 //! then refuses keys that nobody asked for.
 
-use std::cell::RefCell;
+mod arguments;
+
 use std::collections::BTreeMap;
 use std::fmt;
 use std::marker::PhantomData;
@@ -14,9 +15,10 @@ use std::sync::Arc;
 use serde::de::{Deserialize, Deserializer, Expected, SeqAccess, Visitor};
 use toml::Spanned;
 
+pub(super) use self::arguments::Arguments;
+
 use crate::error::{Fault, SceneError};
 use roughxel_utilities::input::without_mark;
-use roughxel_utilities::suggestions::did_you_mean;
 
 /// Most elements of an array in a generator's table.
 const MAX_LIST: usize = 64;
@@ -103,6 +105,7 @@ impl From<OneOrThree> for [f64; 3] {
 /// A value in a table whose keys depend on a generator.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Argument {
+    Flag(bool),
     Number(f64),
     Text(String),
     Numbers(Vec<f64>),
@@ -116,7 +119,11 @@ impl<'de> Deserialize<'de> for Argument {
             type Value = Argument;
 
             fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-                out.write_str("a number, a text, or an array of numbers or of texts")
+                out.write_str("a number, a text, true or false, or an array of numbers or of texts")
+            }
+
+            fn visit_bool<E>(self, value: bool) -> Result<Argument, E> {
+                Ok(Argument::Flag(value))
             }
 
             fn visit_f64<E>(self, value: f64) -> Result<Argument, E> {
@@ -137,8 +144,8 @@ impl<'de> Deserialize<'de> for Argument {
                     match item {
                         Argument::Number(number) => numbers.push(number),
                         Argument::Text(text) => texts.push(text),
-                        Argument::Numbers(_) | Argument::Texts(_) => {
-                            return Err(serde::de::Error::custom("an array inside an array is not known here"));
+                        Argument::Flag(_) | Argument::Numbers(_) | Argument::Texts(_) => {
+                            return Err(serde::de::Error::custom("an array holds numbers or texts here"));
                         }
                     }
                     if numbers.len() + texts.len() > MAX_LIST {
@@ -271,184 +278,5 @@ impl Source {
                 Err(self.value_error(span, format!("`{key}` is {value}, which is out of range"), help))
             }
         }
-    }
-}
-
-/// A value of a table with its place; `None` if the key is missing.
-type Found<T> = Result<Option<(T, Range<usize>)>, SceneError>;
-
-/// One table of arguments being read: every key is asked for by name, then [`Arguments::finish`] refuses the rest.
-#[derive(Debug)]
-pub(super) struct Arguments<'a> {
-    source: &'a Source,
-    table: &'a ArgumentTable,
-    span: Range<usize>,
-    /// Keys asked for so far with their defaults, for messages and for the test of the documentation.
-    asked: RefCell<Vec<(&'static str, String)>>,
-}
-
-impl<'a> Arguments<'a> {
-    pub(super) fn new(source: &'a Source, table: &'a Spanned<ArgumentTable>) -> Self {
-        Self { source, table: table.get_ref(), span: table.span(), asked: RefCell::default() }
-    }
-
-    /// Place of the table.
-    pub(super) fn span(&self) -> Range<usize> {
-        self.span.clone()
-    }
-
-    /// Keys asked for so far, with their defaults as text.
-    #[cfg(test)]
-    pub(super) fn asked(&self) -> Vec<(&'static str, String)> {
-        self.asked.borrow().clone()
-    }
-
-    fn find(&self, key: &'static str, default: impl fmt::Display) -> Option<&'a Spanned<Argument>> {
-        self.asked.borrow_mut().push((key, default.to_string()));
-        self.table.0.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
-    }
-
-    /// A value converted by `as_wanted`, with its place; `None` if the key is missing.
-    fn found<T>(
-        &self,
-        key: &'static str,
-        default: impl fmt::Display,
-        wanted: &str,
-        as_wanted: impl Fn(&'a Argument) -> Option<T>,
-    ) -> Found<T> {
-        let Some(value) = self.find(key, default) else { return Ok(None) };
-        let found = as_wanted(value.get_ref()).ok_or_else(|| {
-            self.error_at(value.span(), format!("`{key}` has the wrong type"), format!("give {wanted}"))
-        });
-        Ok(Some((found?, value.span())))
-    }
-
-    /// A number in `range`, if the key is there.
-    pub(super) fn optional_number(
-        &self,
-        key: &'static str,
-        range: RangeInclusive<f64>,
-    ) -> Result<Option<f64>, SceneError> {
-        self.number_at(key, "–", range)
-    }
-
-    /// A number in `range`.
-    pub(super) fn number(
-        &self,
-        key: &'static str,
-        default: f64,
-        range: RangeInclusive<f64>,
-    ) -> Result<f64, SceneError> {
-        Ok(self.number_at(key, default, range)?.unwrap_or(default))
-    }
-
-    fn number_at(
-        &self,
-        key: &'static str,
-        default: impl fmt::Display,
-        range: RangeInclusive<f64>,
-    ) -> Result<Option<f64>, SceneError> {
-        let found = self.found(key, default, "a number", Argument::number)?;
-        found.map(|(number, span)| self.source.in_range(key, number, span, range)).transpose()
-    }
-
-    /// A whole number in `range`.
-    pub(super) fn whole(&self, key: &'static str, default: u32, range: RangeInclusive<u32>) -> Result<u32, SceneError> {
-        let whole = |value: &Argument| value.number().filter(|number| number.fract() == 0.0);
-        match self.found(key, default, "a whole number", whole)? {
-            None => Ok(default),
-            // `as` saturates; a saturated number is outside every range used here.
-            Some((number, span)) => self.source.whole_in_range(key, number as i64, span, range),
-        }
-    }
-
-    /// A linear colour, each channel from 0 to `brightest`.
-    pub(super) fn colour(&self, key: &'static str, default: [f32; 3], brightest: f64) -> Result<[f32; 3], SceneError> {
-        let found = self.numbers_at(key, default, "three numbers: red, green, blue", 0.0..=brightest)?;
-        Ok(found.map_or(default, |colour| colour.map(|channel| channel as f32)))
-    }
-
-    /// `N` numbers in `range`.
-    pub(super) fn numbers<const N: usize>(
-        &self,
-        key: &'static str,
-        default: [f64; N],
-        range: RangeInclusive<f64>,
-    ) -> Result<[f64; N], SceneError> {
-        let found = self.numbers_at(key, default, &format!("an array of {N} numbers"), range)?;
-        Ok(found.unwrap_or(default))
-    }
-
-    fn numbers_at<const N: usize>(
-        &self,
-        key: &'static str,
-        default: [impl fmt::Display; N],
-        wanted: &str,
-        range: RangeInclusive<f64>,
-    ) -> Result<Option<[f64; N]>, SceneError> {
-        let default = format!("[{}]", default.map(|number| number.to_string()).join(", "));
-        let numbers = |value: &Argument| match value {
-            Argument::Numbers(numbers) => <[f64; N]>::try_from(numbers.as_slice()).ok(),
-            _ => None,
-        };
-        let Some((numbers, span)) = self.found(key, default, wanted, numbers)? else { return Ok(None) };
-        for number in numbers {
-            self.source.in_range(key, number, span.clone(), range.clone())?;
-        }
-        Ok(Some(numbers))
-    }
-
-    /// A text with its place, if the key is there.
-    pub(super) fn text(&self, key: &'static str) -> Found<&'a str> {
-        self.found(key, "–", "a text in quotes", |value| match value {
-            Argument::Text(text) => Some(text.as_str()),
-            _ => None,
-        })
-    }
-
-    /// An array of texts with its place, if the key is there.
-    pub(super) fn texts(&self, key: &'static str) -> Found<&'a [String]> {
-        self.found(key, "–", "an array of texts in quotes", |value| match value {
-            Argument::Texts(texts) => Some(texts.as_slice()),
-            _ => None,
-        })
-    }
-
-    /// An error at this table.
-    pub(super) fn error(&self, message: impl Into<String>, help: impl Into<String>) -> SceneError {
-        self.source.value_error(self.span(), message, help)
-    }
-
-    /// An error at `span`.
-    pub(super) fn error_at(
-        &self,
-        span: Range<usize>,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) -> SceneError {
-        self.source.value_error(span, message, help)
-    }
-
-    /// Refuses the keys that nobody asked for.
-    pub(super) fn finish(&self) -> Result<(), SceneError> {
-        let asked = self.asked.borrow();
-        for name in self.table.0.keys() {
-            if !asked.iter().any(|(key, _)| key == name.get_ref()) {
-                let meant = did_you_mean(name.get_ref(), asked.iter().map(|(key, _)| *key));
-                let known: Vec<_> = asked.iter().map(|(key, _)| format!("`{key}`")).collect();
-                return Err(self.source.value_error(
-                    name.span(),
-                    format!("unknown key `{}`", name.get_ref()),
-                    format!("{meant}known here: {}", known.join(", ")),
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    /// Fingerprint that is equal for tables of equal meaning at any place: the key of the cache of maps.
-    pub(super) fn fingerprint(&self) -> String {
-        let pairs: Vec<_> = self.table.0.iter().map(|(key, value)| (key.get_ref(), value.get_ref())).collect();
-        format!("{pairs:?}")
     }
 }

@@ -8,6 +8,7 @@ use glam::DVec3;
 use roughxel_host_tests::one_pixel::{EXPONENT, OnePixel};
 use roughxel_peaks::horizon::horizon_slopes;
 use roughxel_peaks::{BuildOptions, FacetWeight, FitCounts, Peak, PeakPyramid, PeakSource, multiple_surface};
+use roughxel_scene::Edges;
 
 fn options(exponent: f64, weight: FacetWeight) -> BuildOptions {
     BuildOptions { exponent, amplitude: 1.0, weight, negate: false }
@@ -30,7 +31,7 @@ fn relief(size: u32, height: impl Fn(f64, f64) -> f64) -> PeakSource {
             DVec3::new(-0.5 * slope[0], -0.5 * slope[1], 1.0)
         })
         .collect();
-    PeakSource { width: size, height: size, normals, heights: Some(heights), rows_apart: 1.0 }
+    PeakSource { width: size, height: size, normals, heights: Some(heights), rows_apart: 1.0, edges: Edges::Wrapped }
 }
 
 /// A hemisphere that fills the map.
@@ -64,7 +65,7 @@ fn radiance(peaks: &[Peak], half: DVec3) -> f64 {
 /// Number of peaks that stand for the facets of a pixel, and their PSNR in dB against the mean over its facets.
 fn fitted(pixel: &OnePixel, exponent: f64) -> (usize, f64) {
     let normals = pixel.facets.iter().map(|&[b1, b2]| DVec3::new(b1, b2, 1.0)).collect();
-    let source = PeakSource { width: 64, height: 64, normals, heights: None, rows_apart: 1.0 };
+    let source = PeakSource { width: 64, height: 64, normals, heights: None, rows_apart: 1.0, edges: Edges::Wrapped };
     let peaks = multiple_surface(&source, &options(exponent, FacetWeight::Texel)).expect("the source is valid");
     (peaks.len(), pixel.psnr(|half| radiance(&peaks, DVec3::from_array(half))))
 }
@@ -142,7 +143,7 @@ fn a_peak_sees_the_horizons_of_the_facets_it_stands_for() {
     let source = cylinder(12);
     let peaks = multiple_surface(&source, &options(40.0, FacetWeight::Surface)).expect("the source is valid");
     assert!(peaks.len() > 1);
-    let slopes = horizon_slopes(12, 12, source.heights.as_deref().expect("the source has heights"));
+    let slopes = horizon_slopes(12, 12, source.heights.as_deref().expect("the source has heights"), Edges::Wrapped);
     for side in 0..4 {
         let facets = || source.normals.iter().map(|normal| 1.0 / normal.normalize().z).zip(&slopes);
         let all: f64 = facets().map(|(weight, _)| weight).sum();

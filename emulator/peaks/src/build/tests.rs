@@ -1,6 +1,7 @@
 //! Pyramids: contents of each level, and the circumstances that do not change them.
 
 use super::*;
+use roughxel_scene::Edges;
 
 pub(crate) const OPTIONS: BuildOptions =
     BuildOptions { exponent: 40.0, amplitude: 1.0, weight: FacetWeight::Surface, negate: false };
@@ -21,7 +22,7 @@ pub(crate) fn hills(width: u32, height: u32) -> PeakSource {
             DVec3::new(-0.5 * slope[0], -0.5 * slope[1], 1.0)
         })
         .collect();
-    PeakSource { width, height, normals, heights: Some(heights), rows_apart: 1.0 }
+    PeakSource { width, height, normals, heights: Some(heights), rows_apart: 1.0, edges: Edges::Wrapped }
 }
 
 fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
@@ -32,7 +33,7 @@ fn build(source: &PeakSource, options: &BuildOptions) -> PeakPyramid {
 fn level_0_has_each_texels_own_normal_and_horizon() {
     let source = hills(5, 3);
     let pyramid = build(&source, &BuildOptions { amplitude: 0.5, ..OPTIONS });
-    let slopes = horizon_slopes(5, 3, source.heights.as_deref().expect("heights are given"));
+    let slopes = horizon_slopes(5, 3, source.heights.as_deref().expect("heights are given"), Edges::Wrapped);
     for (index, (normal, slopes)) in source.normals.iter().zip(slopes).enumerate() {
         let &[peak] = pyramid.levels[0].texel(index as u32 % 5, index as u32 / 5) else { panic!("one peak") };
         let normal = normal.normalize();
@@ -49,7 +50,14 @@ fn at_most_seven_normals_are_kept_as_they_are() {
     // Seven directions in a map whose sizes do not divide.
     let direction = |index: usize| DVec3::new(index as f64 * 0.1, 0.2, 1.0);
     let normals: Vec<DVec3> = (0..15).map(|index| direction(index % 7) * f64::from(1 << (index % 4))).collect();
-    let source = PeakSource { width: 5, height: 3, normals, heights: Some(vec![0.0; 15]), rows_apart: 1.0 };
+    let source = PeakSource {
+        width: 5,
+        height: 3,
+        normals,
+        heights: Some(vec![0.0; 15]),
+        rows_apart: 1.0,
+        edges: Edges::Wrapped,
+    };
     let pyramid = build(&source, &BuildOptions { weight: FacetWeight::Texel, ..OPTIONS });
     assert_eq!(pyramid.fits, FitCounts::default());
     let top = pyramid.levels[2].texel(0, 0);
@@ -70,7 +78,8 @@ fn at_most_seven_normals_are_kept_as_they_are() {
 fn horizons_of_shared_normals_have_their_mean_and_deviation() {
     let heights = vec![0.0, 1.0, 0.0, 3.0];
     let normals = vec![DVec3::Z; 4];
-    let source = PeakSource { width: 4, height: 1, normals, heights: Some(heights), rows_apart: 1.0 };
+    let source =
+        PeakSource { width: 4, height: 1, normals, heights: Some(heights), rows_apart: 1.0, edges: Edges::Wrapped };
     let pyramid = build(&source, &OPTIONS);
     let &[peak] = pyramid.levels[2].texel(0, 0) else { panic!("one normal") };
     let slopes = [3.0, 1.0, 1.0, 0.0];
@@ -152,7 +161,14 @@ fn equal_neighbourhoods_share_the_fit_that_each_would_have() {
     let tiled = |columns: u32, rows: u32| {
         let place = |index: u32| (index / (4 * columns) % 4 * 4 + index % 4) as usize;
         let normals = (0..16 * columns * rows).map(|index| tile.normals[place(index)]).collect();
-        PeakSource { width: 4 * columns, height: 4 * rows, normals, heights: None, rows_apart: 1.0 }
+        PeakSource {
+            width: 4 * columns,
+            height: 4 * rows,
+            normals,
+            heights: None,
+            rows_apart: 1.0,
+            edges: Edges::Wrapped,
+        }
     };
     let alone = multiple_surface(&tile, &OPTIONS).expect("the source is good");
     let base = Base::new(&tiled(4, 2), &OPTIONS).expect("the source is good");
@@ -202,7 +218,7 @@ fn a_multiple_surface_is_the_top_of_the_pyramid() {
 #[test]
 fn facets_that_face_inwards_have_no_amplitude() {
     let normals = vec![DVec3::new(0.3, 0.0, -1.0), DVec3::X];
-    let source = PeakSource { width: 2, height: 1, normals, heights: None, rows_apart: 1.0 };
+    let source = PeakSource { width: 2, height: 1, normals, heights: None, rows_apart: 1.0, edges: Edges::Wrapped };
     let pyramid = build(&source, &OPTIONS);
     assert!(pyramid.levels[0].peaks().iter().all(|peak| peak.amplitude == 0.0));
     assert!(pyramid.levels[1].texel(0, 0).is_empty());
@@ -211,7 +227,8 @@ fn facets_that_face_inwards_have_no_amplitude() {
 #[test]
 fn one_texel_is_one_level() {
     let normals = vec![DVec3::new(0.0, 3.0, 4.0)];
-    let source = PeakSource { width: 1, height: 1, normals, heights: Some(vec![9.0]), rows_apart: 1.0 };
+    let source =
+        PeakSource { width: 1, height: 1, normals, heights: Some(vec![9.0]), rows_apart: 1.0, edges: Edges::Wrapped };
     let pyramid = build(&source, &BuildOptions { weight: FacetWeight::Texel, ..OPTIONS });
     assert_eq!((pyramid.levels.len(), source.steps()), (1, 0));
     let &[peak] = pyramid.levels[0].texel(0, 0) else { panic!("one peak") };

@@ -4,7 +4,7 @@ use super::font::glyph;
 use super::grid::Grid;
 use super::keys::BRIGHTEST;
 use super::maths::{Random, cos_turns, dot, mix, normalised, sin_turns, smoothstep};
-use crate::cube::direction;
+use crate::cube::{direction, from_inside};
 use crate::error::SceneError;
 use crate::source::Arguments;
 use roughxel_assets::Picture;
@@ -198,9 +198,10 @@ pub(super) fn checker(grid: Grid<'_>, keys: &Arguments<'_>) -> Result<[Picture; 
         let tint = mix([1.0; 3], TINTS[face], tint);
         let pixels = grid.square(edge, |column, row| {
             let square_of = |index: u32| u64::from(index) * u64::from(squares) / u64::from(edge);
-            // The name takes 11 × 7 cells of a 32nd of the face.
-            let cell = |index: u32, first: i64| (u64::from(index) * 32 / u64::from(edge)) as i64 - first;
-            let (x, y) = (cell(column, 10), cell(row, 12));
+            // The name takes 11 × 7 cells of a 32nd of the face, and is read from inside.
+            let cell = |index: usize, first: i64| (index as u64 * 32 / u64::from(edge)) as i64 - first;
+            let [right, down] = from_inside(face, edge as usize, [column as usize, row as usize]);
+            let (x, y) = (cell(right, 10), cell(down, 12));
             let letter = match x {
                 0..=4 => glyph(NAMES[face][0]).map(|rows| (rows, x)),
                 6..=10 => glyph(NAMES[face][1]).map(|rows| (rows, x - 6)),
@@ -283,6 +284,23 @@ mod tests {
             let step = (front.pixels[row * 32 + 31][0] - right.pixels[row * 32][0]).abs();
             // One texel is 1/16 of a radius: slope of the edge (¾ per softness) times the wave's slope 2π·√2 a radius.
             assert!(step < 0.5, "row {row}: {step}");
+        }
+    }
+
+    #[test]
+    fn names_of_faces_are_read_from_inside() {
+        let faces = made(checker, "face_edge = 64, squares = 1, tint = 0, light = [1, 1, 1]");
+        for (face, picture) in faces.iter().enumerate() {
+            let [sign, axis] = [["+", "-"][face % 2], ["X", "Y", "Z"][face / 2]];
+            for (name, first) in [(sign, 10), (axis, 16)] {
+                let wanted = glyph(name.chars().next().unwrap()).unwrap();
+                for (cell, row) in (0..7).flat_map(|row| (0..5).map(move |column| ([column, row], wanted[row]))) {
+                    let pixel = [2 * (first + cell[0]), 2 * (12 + cell[1])];
+                    let [column, row_of_face] = from_inside(face, 64, pixel);
+                    let is_ink = picture.pixels[row_of_face * 64 + column] == [0.0; 3];
+                    assert_eq!(is_ink, row >> (4 - cell[0]) & 1 == 1, "face {face}, {name}, {cell:?}");
+                }
+            }
         }
     }
 

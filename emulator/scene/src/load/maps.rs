@@ -8,24 +8,21 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::light;
-use crate::bump::{BumpField, FrameSystem, HeightScale, OFFSET_LIMIT};
+use crate::bump::{BumpField, Edges, FrameSystem, Green, HeightScale, OFFSET_LIMIT};
 use crate::description::MaterialDescription;
 use crate::error::SceneError;
 use crate::generate::{
-    COLOUR_MAPS, ENVIRONMENTS, Generators, HEIGHT_MAPS, MapProgress, NORMAL_MAPS, UNIFORM_ROUGHNESS, uniform_roughness,
+    COLOUR_MAPS, Generators, HEIGHT_MAPS, MapProgress, NORMAL_MAPS, UNIFORM_ROUGHNESS, uniform_roughness,
 };
 use crate::lighting::PEAK_HEIGHTS;
-use crate::panorama::faces_from_equirectangular;
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
-use crate::scene::EnvironmentSource;
 use crate::source::{ArgumentTable, Arguments, Source};
 use roughxel_assets::picture::{Encoding, Picture, read_exr, read_hdr, read_png};
-use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 
 /// Reads the maps of one scene; a map that is named more than once is made once.
 pub(super) struct Maps<'a> {
     pub(super) source: &'a Source,
-    progress: &'a dyn MapProgress,
+    pub(super) progress: &'a dyn MapProgress,
     colour_maps: HashMap<String, Arc<Picture>>,
     bumps: HashMap<String, Arc<BumpField>>,
     roughness: HashMap<String, Arc<RoughnessField>>,
@@ -48,55 +45,13 @@ impl<'a> Maps<'a> {
 }
 
 impl Maps<'_> {
-    /// The six faces of `[environment]`.
-    pub(super) fn environment(&mut self, table: &Spanned<ArgumentTable>) -> Result<EnvironmentSource, SceneError> {
-        let arguments = Arguments::new(self.source, table);
-        let generate = arguments.text("generate")?;
-        let equirectangular = arguments.text("equirectangular")?;
-        let paths = arguments.texts("faces")?;
-        let exposure = arguments.number("exposure", 0.0, EXPOSURES)?;
-        let mut faces = match (generate, equirectangular, paths) {
-            (Some(named), None, None) => ENVIRONMENTS.make(&arguments, named, self.progress)?,
-            (None, Some((path, span)), None) => {
-                let face_edge = arguments.whole("face_edge", 512, 1..=MAX_FACE_EDGE)?;
-                let picture = self.read_picture(path, span, Encoding::Srgb)?;
-                faces_from_equirectangular(&picture, face_edge)
-            }
-            (None, None, Some((paths, span))) => self.six_faces(paths, span)?,
-            _ => {
-                return Err(arguments.error(
-                    "the environment is not clear",
-                    "give exactly one of: `faces` (six files), `equirectangular` (a file), `generate` (a name)",
-                ));
-            }
-        };
-        arguments.finish()?;
-        light::expose(&mut faces, exposure);
-        self.warnings.extend(light::cut_environment(&faces));
-        Ok(EnvironmentSource { faces })
-    }
-
-    fn six_faces(&self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
-        let wrong_count = |_| {
-            let message = format!("`faces` names {} files", paths.len());
-            self.source.value_error(span.clone(), message, "name six: +x, −x, +y, −y, +z, −z, in this order")
-        };
-        let mut faces = Vec::new();
-        for path in <&[String; 6]>::try_from(paths).map_err(|_| wrong_count(()))? {
-            let face = self.read_picture(path, span.clone(), Encoding::Srgb)?;
-            let edge = faces.first().map_or(face.width, |first: &Picture| first.width);
-            if face.width != face.height || face.width != edge || edge > MAX_FACE_EDGE {
-                let message = format!("the face `{path}` has {}×{} pixels", face.width, face.height);
-                let help = format!("all six must be squares of one size of at most {MAX_FACE_EDGE} pixels");
-                return Err(self.source.value_error(span, message, help));
-            }
-            faces.push(face);
-        }
-        <[Picture; 6]>::try_from(faces).map_err(|_| wrong_count(()))
-    }
-
     /// Reads a PNG or, by its ending, an EXR or HDR file (always linear).
-    fn read_picture(&self, path: &str, span: Range<usize>, encoding: Encoding) -> Result<Picture, SceneError> {
+    pub(super) fn read_picture(
+        &self,
+        path: &str,
+        span: Range<usize>,
+        encoding: Encoding,
+    ) -> Result<Picture, SceneError> {
         let path = self.resolve(path);
         let is = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
         let picture = match () {
@@ -172,11 +127,13 @@ impl Maps<'_> {
         }
         let (field, clamped) = if is_height {
             let scale = height_scale(&arguments, frame)?;
+            let wraps = arguments.flag("wrap", true)?.is_none_or(|(wraps, _)| wraps);
+            let edges = if wraps { Edges::Wrapped } else { Edges::Open };
             let heights = self.picture(&arguments, &HEIGHT_MAPS, Encoding::Linear)?;
             if with_heights {
-                BumpField::with_heights(&heights, scale, frame)
+                BumpField::with_heights(&heights, scale, frame, edges)
             } else {
-                BumpField::from_heights(&heights, scale, frame)
+                BumpField::from_heights(&heights, scale, frame, edges)
             }
         } else {
             if frame == FrameSystem::Natural {
@@ -184,7 +141,12 @@ impl Maps<'_> {
                 let message = "the frame \"natural\" needs heights: a normal map has no depth";
                 return Err(arguments.error(message, help));
             }
-            BumpField::from_normals(&self.picture(&arguments, &NORMAL_MAPS, Encoding::Linear)?)
+            let green = arguments.word("green", &[("up", Green::Up), ("down", Green::Down)])?.unwrap_or_default();
+            if let Some((_, span)) = arguments.flag("wrap", "–")? {
+                let help = "leave `wrap` out: normals are taken as they are, no slope is taken across an edge";
+                return Err(arguments.error_at(span, "`wrap` belongs to a height map", help));
+            }
+            BumpField::from_normals(&self.picture(&arguments, &NORMAL_MAPS, Encoding::Linear)?, green)
         };
         if clamped > 0 {
             self.warnings.push(format!(
@@ -254,14 +216,8 @@ impl Maps<'_> {
             return Ok((RoughnessField::uniform(factor), 0));
         }
         let deviation = arguments.number("deviation", 0.25, 0.0..=MAX_DEVIATION)?;
-        let channels = match arguments.text("channels")? {
-            None | Some(("isotropic", _)) => RoughnessChannels::Isotropic,
-            Some(("anisotropic", _)) => RoughnessChannels::Anisotropic,
-            Some((other, span)) => {
-                let message = format!("`channels` is \"{other}\"");
-                return Err(arguments.error_at(span, message, "choose \"isotropic\" or \"anisotropic\""));
-            }
-        };
+        let words = [("isotropic", RoughnessChannels::Isotropic), ("anisotropic", RoughnessChannels::Anisotropic)];
+        let channels = arguments.word("channels", &words)?.unwrap_or(RoughnessChannels::Isotropic);
         // The grey of a height map serves for a deviation as well as for a height.
         let picture = self.picture(arguments, &HEIGHT_MAPS, Encoding::Linear)?;
         Ok(RoughnessField::from_picture(&picture, channels, deviation))
