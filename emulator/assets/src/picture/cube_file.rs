@@ -8,8 +8,16 @@ use std::path::Path;
 
 use exr::prelude::f16;
 
+use super::colour::{ColourWords, Transfer};
 use super::png_file::decode_table;
-use super::{Encoding, Picture, PictureError, open};
+use super::statement::{Purpose, Statement, Wishes};
+use super::{Picture, PictureError, open};
+
+/// Beginning of a DDS file.
+const DDS: &[u8; 4] = b"DDS ";
+
+/// Beginning of a KTX2 file.
+const KTX2: &[u8; 12] = b"\xabKTX 20\xbb\r\n\x1a\n";
 
 /// Longest edge of a face in pixels.
 const MAX_FACE_EDGE: u32 = 4096;
@@ -25,12 +33,8 @@ const MAX_LEVELS: u32 = 13;
 pub struct CubeFile {
     /// The faces in linear light.
     pub faces: [Picture; 6],
-    /// Kind of the file and format of its texels.
-    pub kind: String,
-    /// Transfer function that was used; floats are linear.
-    pub encoding: Encoding,
-    /// True if the file names the transfer function.
-    pub says_encoding: bool,
+    /// Words of the file, and decisions.
+    pub statement: Statement,
 }
 
 /// Format of the texels.
@@ -57,30 +61,42 @@ struct Content<'a> {
     faces: [&'a [u8]; 6],
     edge: u32,
     format: TexelFormat,
+    /// Kind of the file and name of the format.
     name: String,
     /// Transfer function that the file names.
-    encoding: Option<Encoding>,
+    transfer: Option<Transfer>,
 }
 
-/// Reads a cube map from a KTX2 or DDS file. `wished` decides against the file how 8-bit codes are decoded.
+/// True if the bytes of a file are those of a KTX2 or DDS file, which may hold a cube map.
+pub fn is_cube_file(path: &Path) -> bool {
+    let mut head = [0; KTX2.len()];
+    let read =
+        open(path).and_then(|mut file| file.read_exact(&mut head).map_err(|source| PictureError::open(path, source)));
+    read.is_ok() && (head.starts_with(DDS) || head == *KTX2)
+}
+
+/// Reads a cube map from a KTX2 or DDS file. `wishes` decide against the words of the file.
 ///
 /// # Errors
 /// A file that cannot be opened, is neither KTX2 nor DDS, is no cube map, is truncated, supercompressed or of another texel format; a face
 /// that is no square of at most 4096 pixels; a value that is NaN or infinite.
-pub fn read_cube(path: &Path, wished: Option<Encoding>) -> Result<CubeFile, PictureError> {
+pub fn read_cube(path: &Path, wishes: &Wishes) -> Result<CubeFile, PictureError> {
     let mut bytes = Vec::new();
     open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(|source| PictureError::open(path, source))?;
     if bytes.len() as u64 > MAX_BYTES {
-        return Err(PictureError::new(format!("`{}` is longer than {MAX_BYTES} bytes; scale it down", path.display())));
+        return Err(PictureError::new(
+            format!("`{}` is longer than {MAX_BYTES} bytes", path.display()),
+            "scale it down",
+        ));
     }
-    if bytes.starts_with(b"DDS ") {
+    if bytes.starts_with(DDS) {
         let dds = dds(path, &bytes)?;
-        return decode(path, dds_content(path, &dds)?, wished);
+        return decode(path, dds_content(path, &dds)?, wishes);
     }
-    if bytes.starts_with(b"\xabKTX 20\xbb\r\n\x1a\n") {
+    if bytes.starts_with(KTX2) {
         let reader =
             ktx2::Reader::new(bytes.as_slice()).map_err(|reason| PictureError::damaged(path, "KTX2", reason))?;
-        return decode(path, ktx2_content(path, &reader)?, wished);
+        return decode(path, ktx2_content(path, &reader)?, wishes);
     }
     Err(PictureError::unsupported(path, "is neither a KTX2 nor a DDS file", "a KTX2 cube map of half floats"))
 }
@@ -125,16 +141,16 @@ fn ktx2_content<'a>(path: &Path, reader: &'a ktx2::Reader<&'a [u8]>) -> Result<C
         other => return Err(unsupported(format!("holds texels of the format {other:?}"))),
     };
     let edge = check_edge(path, header.pixel_width, header.pixel_height)?;
-    let encoding = match reader.transfer_function() {
-        Some(ktx2::TransferFunction::SRGB) => Some(Encoding::Srgb),
-        Some(ktx2::TransferFunction::Linear) => Some(Encoding::Linear),
+    let transfer = match reader.transfer_function() {
+        Some(ktx2::TransferFunction::SRGB) => Some(Transfer::Srgb),
+        Some(ktx2::TransferFunction::Linear) => Some(Transfer::Linear),
         _ => None,
     };
     let size = face_bytes(texels, edge);
     let data = reader.levels().next().map_or(&[][..], |level| level.data);
     // Faces follow each other without a gap (KTX 2.0 §3.9.7).
     let faces = split(path, "KTX2", |face| data.get(face * size..(face + 1) * size))?;
-    Ok(Content { faces, edge, format: texels, name: format!("KTX2, {format:?}"), encoding })
+    Ok(Content { faces, edge, format: texels, name: format!("KTX2, {format:?}"), transfer })
 }
 
 /// Parses a DDS file.
@@ -158,25 +174,25 @@ fn dds_content<'a>(path: &Path, dds: &'a ddsfile::Dds) -> Result<Content<'a>, Pi
     if !is_cube {
         return Err(unsupported("is no single cube map with six faces".to_owned()));
     }
-    let (format, name, encoding) = if dds.header10.is_some() {
+    let (format, name, transfer) = if dds.header10.is_some() {
         let format = dds.get_dxgi_format().ok_or_else(|| unsupported("has no known texel format".to_owned()))?;
-        let (texels, encoding) = match format {
-            F::R8G8B8A8_UNorm => (TexelFormat::Codes(4, [0, 1, 2]), Encoding::Linear),
-            F::R8G8B8A8_UNorm_sRGB => (TexelFormat::Codes(4, [0, 1, 2]), Encoding::Srgb),
-            F::B8G8R8A8_UNorm | F::B8G8R8X8_UNorm => (TexelFormat::Codes(4, [2, 1, 0]), Encoding::Linear),
-            F::B8G8R8A8_UNorm_sRGB | F::B8G8R8X8_UNorm_sRGB => (TexelFormat::Codes(4, [2, 1, 0]), Encoding::Srgb),
-            F::R16G16B16A16_Float => (TexelFormat::Half(4), Encoding::Linear),
-            F::R32G32B32A32_Float => (TexelFormat::Float(4), Encoding::Linear),
-            F::R32G32B32_Float => (TexelFormat::Float(3), Encoding::Linear),
-            F::R9G9B9E5_SharedExp => (TexelFormat::SharedExponent, Encoding::Linear),
-            F::R11G11B10_Float => (TexelFormat::Packed11, Encoding::Linear),
-            F::BC6H_UF16 => (TexelFormat::Bc6h(false), Encoding::Linear),
-            F::BC6H_SF16 => (TexelFormat::Bc6h(true), Encoding::Linear),
-            F::BC7_UNorm => (TexelFormat::Bc7, Encoding::Linear),
-            F::BC7_UNorm_sRGB => (TexelFormat::Bc7, Encoding::Srgb),
+        let (texels, transfer) = match format {
+            F::R8G8B8A8_UNorm => (TexelFormat::Codes(4, [0, 1, 2]), Transfer::Linear),
+            F::R8G8B8A8_UNorm_sRGB => (TexelFormat::Codes(4, [0, 1, 2]), Transfer::Srgb),
+            F::B8G8R8A8_UNorm | F::B8G8R8X8_UNorm => (TexelFormat::Codes(4, [2, 1, 0]), Transfer::Linear),
+            F::B8G8R8A8_UNorm_sRGB | F::B8G8R8X8_UNorm_sRGB => (TexelFormat::Codes(4, [2, 1, 0]), Transfer::Srgb),
+            F::R16G16B16A16_Float => (TexelFormat::Half(4), Transfer::Linear),
+            F::R32G32B32A32_Float => (TexelFormat::Float(4), Transfer::Linear),
+            F::R32G32B32_Float => (TexelFormat::Float(3), Transfer::Linear),
+            F::R9G9B9E5_SharedExp => (TexelFormat::SharedExponent, Transfer::Linear),
+            F::R11G11B10_Float => (TexelFormat::Packed11, Transfer::Linear),
+            F::BC6H_UF16 => (TexelFormat::Bc6h(false), Transfer::Linear),
+            F::BC6H_SF16 => (TexelFormat::Bc6h(true), Transfer::Linear),
+            F::BC7_UNorm => (TexelFormat::Bc7, Transfer::Linear),
+            F::BC7_UNorm_sRGB => (TexelFormat::Bc7, Transfer::Srgb),
             other => return Err(unsupported(format!("holds texels of the format {other:?}"))),
         };
-        (texels, format!("{format:?}"), Some(encoding))
+        (texels, format!("{format:?}"), Some(transfer))
     } else {
         let format = dds.get_d3d_format().ok_or_else(|| unsupported("has no known texel format".to_owned()))?;
         let texels = match format {
@@ -193,7 +209,7 @@ fn dds_content<'a>(path: &Path, dds: &'a ddsfile::Dds) -> Result<Content<'a>, Pi
     let size = face_bytes(format, edge);
     // Each face has its levels behind it.
     let faces = split(path, "DDS", |face| dds.get_data(face as u32).ok().and_then(|data| data.get(..size)))?;
-    Ok(Content { faces, edge, format, name: format!("DDS, {name}"), encoding })
+    Ok(Content { faces, edge, format, name: format!("DDS, {name}"), transfer })
 }
 
 /// The six faces, or the error for a file that ends before them.
@@ -218,14 +234,17 @@ fn face_bytes(format: TexelFormat, edge: u32) -> usize {
 }
 
 /// Decodes the faces of a file.
-fn decode(path: &Path, content: Content<'_>, wished: Option<Encoding>) -> Result<CubeFile, PictureError> {
-    let Content { faces, edge, format, name, encoding } = content;
+fn decode(path: &Path, content: Content<'_>, wishes: &Wishes) -> Result<CubeFile, PictureError> {
+    let Content { faces, edge, format, name, transfer } = content;
+    let mut statement = Statement { kind: name.clone(), size: [edge, edge], ..Statement::default() };
     let is_codes = matches!(format, TexelFormat::Codes(..) | TexelFormat::Bc7);
-    let says_encoding = encoding.is_some() || !is_codes;
     // Codes whose file says nothing are colours as everywhere else.
-    let encoding = if is_codes { wished.or(encoding).unwrap_or(Encoding::Srgb) } else { Encoding::Linear };
-    let table = decode_table(255, encoding);
-    let faces = faces.map(|bytes| Picture { width: edge, height: edge, pixels: pixels(bytes, edge, format, &table) });
+    let default = if is_codes { Transfer::Srgb } else { Transfer::Linear };
+    let words = ColourWords { space: None, transfer: transfer.map(|transfer| (name, transfer)), default };
+    let colours = words.decide(Purpose::Environment, wishes, &mut statement);
+    let table = decode_table(255, colours.transfer);
+    let mut faces =
+        faces.map(|bytes| Picture { width: edge, height: edge, pixels: pixels(bytes, edge, format, &table) });
     for (face, picture) in faces.iter().enumerate() {
         if let Some(index) = picture.pixels.iter().position(|pixel| !pixel.iter().all(|value| value.is_finite())) {
             let (x, y) = (index as u32 % edge, index as u32 / edge);
@@ -237,7 +256,8 @@ fn decode(path: &Path, content: Content<'_>, wished: Option<Encoding>) -> Result
             ));
         }
     }
-    Ok(CubeFile { faces, kind: name, encoding, says_encoding })
+    faces.iter_mut().for_each(|face| colours.convert(&mut face.pixels));
+    Ok(CubeFile { faces, statement })
 }
 
 /// Pixels of one face. `table` decodes 8-bit codes.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use roughxel_assets::Picture;
 use roughxel_assets::gltf::{Model, ModelMaterial};
-use roughxel_assets::picture::{Encoding, PictureError, Samples, encode_png, linear_to_srgb8, read_png};
+use roughxel_assets::picture::{PictureError, Purpose, Samples, Wishes, encode_png, linear_to_srgb8, read};
 
 use super::{Failure, write_bytes};
 
@@ -46,9 +46,13 @@ pub(super) fn write_images(folder: &Path, model: &Model) -> Result<Vec<String>, 
 struct Texture(Option<Picture>);
 
 impl Texture {
-    fn read(folder: &Path, images: &[String], image: Option<usize>, encoding: Encoding) -> Result<Self, PictureError> {
+    fn read(folder: &Path, images: &[String], image: Option<usize>, purpose: Purpose) -> Result<Self, PictureError> {
         let name = image.and_then(|index| images.get(index));
-        Ok(Self(name.map(|name| read_png(&folder.join(name), encoding)).transpose()?))
+        Ok(Self(
+            name.map(|name| read(&folder.join(name), purpose, &Wishes::default()))
+                .transpose()?
+                .map(|read| read.picture),
+        ))
     }
 
     fn size(&self) -> Option<[u32; 2]> {
@@ -131,12 +135,12 @@ pub(super) fn material(
     if !has_uv && (textured.iter().any(Option::is_some) || material.normal_texture.is_some()) {
         notes.push(format!("material {number}: textures are left out where a mesh has no texture coordinates"));
     }
-    let read = |image: Option<usize>, encoding| Texture::read(folder, images, image.filter(|_| has_uv), encoding);
+    let read = |image: Option<usize>, purpose| Texture::read(folder, images, image.filter(|_| has_uv), purpose);
     let textures = Textures {
         material,
-        colour: read(material.colour_texture, Encoding::Srgb)?,
-        properties: read(material.metallic_roughness_texture, Encoding::Linear)?,
-        emissive: read(material.emissive_texture, Encoding::Srgb)?,
+        colour: read(material.colour_texture, Purpose::Colours)?,
+        properties: read(material.metallic_roughness_texture, Purpose::Data)?,
+        emissive: read(material.emissive_texture, Purpose::Colours)?,
     };
     let sizes = [textures.colour.size(), textures.properties.size(), textures.emissive.size()];
     let size = sizes.into_iter().flatten().max_by_key(|[width, height]| u64::from(*width) * u64::from(*height));
@@ -156,7 +160,7 @@ pub(super) fn material(
     if textures.properties.0.is_some() && material.metallic > 0.0 {
         notes.push(format!("material {number}: an object has one reflectance, the mean of the metallic texture"));
     }
-    let normals = read(material.normal_texture.map(|normal| normal.image), Encoding::Linear)?;
+    let normals = read(material.normal_texture.map(|normal| normal.image), Purpose::Data)?;
     if let (Some(normal), Some(_)) = (material.normal_texture, normals.size()) {
         maps.normal_map = if normal.scale == 1.0 {
             images.get(normal.image).cloned()

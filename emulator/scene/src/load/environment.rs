@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use roughxel_assets::picture::{Encoding, MAX_PIXELS, Picture};
+use roughxel_assets::picture::{CubeFile, MAX_PIXELS, Picture, Purpose, Wishes, is_cube_file, read_cube};
 use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 use toml::Spanned;
 
@@ -52,7 +52,7 @@ impl Maps<'_> {
 
     /// Faces of a picture of the sphere or of a part of it.
     fn panorama(
-        &self,
+        &mut self,
         arguments: &Arguments<'_>,
         (path, span): (&str, Range<usize>),
     ) -> Result<[Picture; 6], SceneError> {
@@ -63,7 +63,7 @@ impl Maps<'_> {
             longitudes: longitudes.unwrap_or(Extent::SPHERE.longitudes),
             latitudes: latitudes.unwrap_or(Extent::SPHERE.latitudes),
         };
-        let picture = self.read_picture(path, span.clone(), Encoding::Srgb)?;
+        let picture = self.read_picture("environment", path, span.clone(), Purpose::Environment)?;
         let size = format!("{}×{}", picture.width, picture.height);
         if latitudes.is_none() && !fits(&picture, extent.ratio()) {
             let (message, help) = not_a_panorama(&picture, &extent);
@@ -86,7 +86,19 @@ impl Maps<'_> {
     ) -> Result<[Picture; 6], SceneError> {
         let layout = arguments.word("layout", &LAYOUTS)?;
         let orientation = arguments.word("orientation", &ORIENTATIONS)?;
-        let picture = self.read_picture(path, span.clone(), Encoding::Srgb)?;
+        if layout.is_none() && is_cube_file(&self.resolve(path)) {
+            let CubeFile { faces, statement } =
+                self.read(path, span.clone(), |file| read_cube(file, &Wishes::default()))?;
+            let edge = faces[0].width;
+            if edge > MAX_FACE_EDGE {
+                let message = format!("`{path}` has faces of {edge}×{edge} pixels");
+                let help = format!("make it smaller: a face has at most {MAX_FACE_EDGE}×{MAX_FACE_EDGE}");
+                return Err(arguments.error_at(span, message, help));
+            }
+            self.say("environment", path, statement);
+            return Ok(self.oriented(faces, orientation.unwrap_or(Orientation::Outside)));
+        }
+        let picture = self.read_picture("environment", path, span.clone(), Purpose::Environment)?;
         let error = |message: String, help: String| {
             let message = format!("`{path}` has {}×{} pixels, {message}", picture.width, picture.height);
             Err(arguments.error_at(span.clone(), message, help))
@@ -129,14 +141,15 @@ impl Maps<'_> {
     }
 
     /// The pictures of six files.
-    fn six_faces(&self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
+    fn six_faces(&mut self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
+        let source = self.source;
         let wrong_count = |_| {
             let message = format!("`faces` names {} files", paths.len());
-            self.source.value_error(span.clone(), message, "name six: +x, −x, +y, −y, +z, −z, in this order")
+            source.value_error(span.clone(), message, "name six: +x, −x, +y, −y, +z, −z, in this order")
         };
         let mut faces = Vec::new();
         for path in <&[String; 6]>::try_from(paths).map_err(|_| wrong_count(()))? {
-            let face = self.read_picture(path, span.clone(), Encoding::Srgb)?;
+            let face = self.read_picture("environment", path, span.clone(), Purpose::Environment)?;
             let edge = faces.first().map_or(face.width, |first: &Picture| first.width);
             if face.width != face.height || face.width != edge || edge > MAX_FACE_EDGE {
                 let message = format!("the face `{path}` has {}×{} pixels", face.width, face.height);

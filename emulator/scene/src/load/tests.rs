@@ -370,7 +370,7 @@ fn keys_of_a_mesh_are_checked_and_errors_of_its_file_say_what_it_is() {
     let hammered = "material = { normal_map = { generate = \"hammered\", size = 16 } }";
     for (keys, message, help) in [
         ("path = \"no.obj\"", "cannot read the mesh", "paths are relative to the scene file"),
-        ("path = \"x.obj\"", "the file is a PLY mesh", "OBJ is read: export the mesh as OBJ"),
+        ("path = \"x.obj\"", "the file is a PLY mesh", "OBJ and glTF are read: export the mesh as one of them"),
         ("path = \"far.obj\"", "far.obj:1: coordinate `5000000` is not within", "`offset = [5000000, 0, 0]`"),
         ("path = \"far.obj\"\noffset = [2e9, 0, 0]", "`offset` is 2000000000, which is out of range", "choose"),
         (

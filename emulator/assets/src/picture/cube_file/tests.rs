@@ -21,7 +21,7 @@ impl Files {
     }
 
     fn read(&self, bytes: &[u8]) -> Result<CubeFile, PictureError> {
-        read_cube(&self.write(bytes), None)
+        read_cube(&self.write(bytes), &Wishes::default())
     }
 }
 
@@ -104,7 +104,7 @@ fn faces_are_in_order_with_rows_from_the_top_and_lower_levels_left_out() {
     // VK_FORMAT_R16G16B16A16_SFLOAT is 97.
     let cube = files.read(&ktx2_file(97, 2, 4, 1, &half_faces(4, 1))).unwrap();
     check_ramp(&cube, 4);
-    assert_eq!(cube.encoding, Encoding::Linear);
+    assert_eq!(cube.statement.transfer.unwrap().used, "linear");
 }
 
 #[test]
@@ -124,10 +124,11 @@ fn codes_follow_the_transfer_function_that_the_file_names() {
     ];
     for (index, (bytes, decode)) in cases.into_iter().enumerate() {
         let cube = files.read(&bytes).unwrap();
-        assert!(cube.says_encoding, "case {index}");
+        assert!(cube.statement.transfer.unwrap().said.is_some(), "case {index}");
         assert_eq!(cube.faces[3].pixels[0], [decode(30.0), decode(128.0), decode(255.0)], "case {index}");
     }
-    let wished = read_cube(&files.write(&unorm(28)), Some(Encoding::Srgb)).unwrap();
+    let wished =
+        read_cube(&files.write(&unorm(28)), &Wishes { transfer: Some(Transfer::Srgb), ..Default::default() }).unwrap();
     assert_eq!(wished.faces[0].pixels[0][1], srgb(128.0));
 }
 
