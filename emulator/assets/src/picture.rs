@@ -1,24 +1,30 @@
 //! Pictures in host memory and their files.
 //!
-//! PNG: 1, 2, 4, 8 or 16 bits, grey, RGB or palette. EXR: RGB or one channel, half or float, of the first layer with such channels. HDR (Radiance):
-//! plain or run-length encoded. Alpha is ignored, not composited: data maps keep other values in it, and a texture has no background here.
-//! Ancillary colour data (gAMA, iCCP, chromaticities) is ignored too: the caller states the [`Encoding`]. Sizes are checked from the header, before
+//! [`read`] takes a file of any kind and gives the picture with a [`Statement`]: the words of the file about itself, and the decisions made of them.
+//! `kind` finds the kind by the first bytes; a module for each kind reads it; `colour` undoes transfer functions and converts primaries. Alpha is
+//! ignored, not composited: data maps keep other values in it, and a texture has no background here. Sizes are checked from the header, before
 //! memory is taken. sRGB uses the exact piecewise curve by correctly rounded operations only, so the pixels are the same bits on every machine. A
 //! file is written next to its name and renamed when complete.
 
+mod colour;
 mod compare;
 mod exr_file;
 mod hdr_file;
+mod kind;
 mod png_file;
+mod read;
 mod srgb;
+mod statement;
 #[cfg(test)]
 mod tests;
 
+pub use colour::{ColourSpace, Transfer};
 pub use compare::{DIFFERENCE_GAIN, difference, ssim};
-pub use exr_file::read_exr;
-pub use hdr_file::read_hdr;
-pub use png_file::{read_png, srgb_codes, write_png_codes, write_png_srgb};
+pub use kind::Kind;
+pub use png_file::{srgb_codes, write_png_codes, write_png_srgb};
+pub use read::read;
 pub use srgb::{linear_to_srgb8, srgb_to_linear};
+pub use statement::{Envmap, PictureFile, Purpose, Rectangle, Said, Statement, Window, Windows, Wishes};
 
 use std::fmt::Display;
 use std::fs::File;
@@ -59,53 +65,49 @@ impl Picture {
     }
 }
 
-/// Meaning of the numbers in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Encoding {
-    /// Colours by the sRGB curve, decoded to linear light.
-    Srgb,
-    /// Linear colours or data (heights, normals), code / (2^bits − 1).
-    Linear,
-}
-
 /// Reason why a picture could not be read or written.
 #[derive(Debug, thiserror::Error)]
-#[error("{message}")]
+#[error("{message}; {remedy}")]
 pub struct PictureError {
-    /// The file, its mistake and the remedy.
+    /// The file and its mistake.
     pub message: String,
+    /// The remedy.
+    pub remedy: String,
     /// Error of the system.
     pub source: Option<io::Error>,
 }
 
 impl PictureError {
-    fn new(message: String) -> Self {
-        Self { message, source: None }
+    fn new(message: String, remedy: impl Into<String>) -> Self {
+        Self { message, remedy: remedy.into(), source: None }
     }
 
     /// An error for a file that cannot be opened.
     pub fn open(path: &Path, source: io::Error) -> Self {
-        let path = path.display();
-        let message = format!("cannot open picture `{path}`: {source}; check the path and its permissions");
-        Self { message, source: Some(source) }
+        let message = format!("cannot open picture `{}`: {source}", path.display());
+        Self { source: Some(source), ..Self::new(message, "check the path and its permissions") }
     }
 
     /// An error for a file that cannot be written.
     fn write(path: &Path, source: io::Error) -> Self {
-        let path = path.display();
-        let remedy = "check that its directory exists and may be written";
-        Self { message: format!("cannot write picture `{path}`: {source}; {remedy}"), source: Some(source) }
+        let message = format!("cannot write picture `{}`: {source}", path.display());
+        Self { source: Some(source), ..Self::new(message, "check that its directory exists and may be written") }
     }
 
-    /// An error for a file that is damaged, truncated or of another format.
+    /// An error for a file that is damaged or truncated.
     fn damaged(path: &Path, format: &str, reason: impl Display) -> Self {
-        let path = path.display();
-        Self::new(format!("`{path}` is not a readable {format} file: {reason}; export it again as {format}"))
+        let message = format!("`{}` is not a readable {format} file: {reason}", path.display());
+        Self::new(message, format!("export it again as {format}"))
     }
 
     /// An error for a valid file of an unsupported kind.
     fn unsupported(path: &Path, reason: impl Display, remedy: &str) -> Self {
-        Self::new(format!("`{}` {reason}; export it as {remedy}", path.display()))
+        Self::new(format!("`{}` {reason}", path.display()), format!("export it as {remedy}"))
+    }
+
+    /// True if there is no file of that name.
+    pub fn is_missing(&self) -> bool {
+        self.source.as_ref().is_some_and(|source| source.kind() == io::ErrorKind::NotFound)
     }
 }
 
@@ -118,10 +120,13 @@ fn check_size(path: &Path, width: u64, height: u64) -> Result<(u32, u32), Pictur
     let edge = |size: u64| u32::try_from(size).ok().filter(|size| *size <= MAX_EDGE);
     match (edge(width), edge(height)) {
         (Some(w), Some(h)) if width * height <= MAX_PIXELS => Ok((w, h)),
-        _ => Err(PictureError::new(format!(
-            "picture `{}` has {width}×{height} pixels; at most {MAX_EDGE} an edge and {MAX_PIXELS} in all are read: scale it down",
-            path.display()
-        ))),
+        _ => Err(PictureError::new(
+            format!(
+                "picture `{}` has {width}×{height} pixels; at most {MAX_EDGE} an edge and {MAX_PIXELS} in all are read",
+                path.display()
+            ),
+            "scale it down",
+        )),
     }
 }
 

@@ -83,7 +83,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
         let mode = args.mode.to_string();
         let plan = json!({
             "scene": scene.name, "mode": mode, "profile": name, "objects": objects,
-            "frame_bytes": frame_bytes, "map_bytes": map_bytes,
+            "frame_bytes": frame_bytes, "map_bytes": map_bytes, "pictures": scene.pictures,
         });
         writeln!(out, "{plan:#}")?;
         return Ok(());

@@ -95,7 +95,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let figures = json!({
             "scene": scene.name, "mode": args.mode.to_string(), "profile": profile.name,
             "reading": backend.to_string(), "width": width, "height": height, "picture": output.display().to_string(),
-            "digest": digest, "preparation_s": preparation, "drawing_s": drawing, "vectors": sets,
+            "digest": digest, "preparation_s": preparation, "drawing_s": drawing, "vectors": sets, "pictures": scene.pictures,
             "peaks": { "built": peaks.built, "read": peaks.read, "resumed": peaks.resumed },
         });
         writeln!(out, "{figures:#}")?;

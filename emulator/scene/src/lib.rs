@@ -33,4 +33,6 @@ pub use lighting::{
 };
 pub use panorama::faces_from_equirectangular;
 pub use roughness::RoughnessField;
-pub use scene::{Background, Camera, Deviation, EnvironmentSource, FootprintPlace, Material, Object, Scene};
+pub use scene::{
+    Background, Camera, Deviation, EnvironmentSource, FootprintPlace, Material, Object, PictureUse, Scene,
+};

@@ -143,8 +143,8 @@ fn from_toml(label: &str, text: &str, base_dir: &Path, progress: &dyn MapProgres
     for (index, object) in description.object.iter().enumerate() {
         objects.push(object::object(&mut maps, index, object, there)?);
     }
-    let warnings = maps.warnings;
-    Ok(Scene { name: label.to_owned(), camera, background, environment, lights, objects, warnings })
+    let Maps { warnings, pictures, .. } = maps;
+    Ok(Scene { name: label.to_owned(), camera, background, environment, lights, objects, pictures, warnings })
 }
 
 /// The viewer of the scene.

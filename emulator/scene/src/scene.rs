@@ -7,7 +7,8 @@ use glam::DVec3;
 use crate::bump::{BumpField, FrameSystem};
 use crate::lighting::{Highlight, Light, Peaks};
 use crate::roughness::RoughnessField;
-use roughxel_assets::{Mesh, Picture};
+use roughxel_assets::Mesh;
+use roughxel_assets::picture::{Picture, Statement};
 
 /// Content of a frame.
 #[derive(Clone, Debug)]
@@ -24,6 +25,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Objects in the order of the file.
     pub objects: Vec<Object>,
+    /// Picture files and the decisions about them, in the order in which they were read.
+    pub pictures: Vec<PictureUse>,
     /// Repairs while reading (dropped triangles, clamped offsets), one sentence each.
     pub warnings: Vec<String>,
 }
@@ -75,6 +78,18 @@ pub enum Background {
 pub struct EnvironmentSource {
     /// The faces; the left column is s = −1, the top row t = −1.
     pub faces: [Picture; 6],
+}
+
+/// A picture file and its use.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct PictureUse {
+    /// Use in the scene: `environment`, or an object and its map.
+    pub used_as: String,
+    /// Path as the scene file gives it.
+    pub path: String,
+    /// Words of the file, and decisions.
+    #[serde(flatten)]
+    pub statement: Statement,
 }
 
 /// A mesh with its material.

@@ -1,5 +1,6 @@
 //! EXR: RGB or one channel, half or float.
 
+use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use exr::block::lines::LineRef;
@@ -9,7 +10,9 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::f16;
 
-use super::{Picture, PictureError, check_size, open};
+use super::colour::{ColourWords, Transfer};
+use super::statement::{PictureFile, Purpose, Statement, Wishes};
+use super::{Picture, PictureError, check_size};
 
 /// Longest block (a tile, or some rows) of an EXR file, uncompressed, in bytes.
 const MAX_BLOCK_BYTES: usize = 1 << 30;
@@ -22,9 +25,14 @@ const MAX_BLOCK_BYTES: usize = 1 << 30;
 /// # Errors
 /// A file that cannot be opened, is no EXR, is truncated or damaged; deep, subsampled, integer or B44-compressed data; a picture larger than
 /// [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS); a pixel that is NaN, infinite or missing (reported as NaN).
-pub fn read_exr(path: &Path) -> Result<Picture, PictureError> {
+pub(super) fn read(
+    path: &Path,
+    file: impl BufRead + Seek,
+    purpose: Purpose,
+    wishes: &Wishes,
+) -> Result<PictureFile, PictureError> {
     let damaged = |reason: exr::error::Error| PictureError::damaged(path, "EXR", reason);
-    let reader = exr::block::read(open(path)?, false).map_err(damaged)?;
+    let reader = exr::block::read(file, false).map_err(damaged)?;
     for header in reader.headers() {
         check_exr_header(path, header)?;
     }
@@ -70,13 +78,16 @@ pub fn read_exr(path: &Path) -> Result<Picture, PictureError> {
         for value in pixel {
             if !value.is_finite() {
                 let (path, x, y) = (path.display(), index % width, index / width);
-                let remedy = "counted from the top left; clamp it to finite values";
-                return Err(PictureError::new(format!("`{path}` has the value {value} at pixel ({x}, {y}), {remedy}")));
+                let message = format!("`{path}` has the value {value} at pixel ({x}, {y}), counted from the top left");
+                return Err(PictureError::new(message, "clamp it to finite values"));
             }
             *value = value.max(0.0);
         }
     }
-    Ok(Picture { width: width as u32, height: height as u32, pixels })
+    let mut statement = Statement::default();
+    let words = ColourWords { space: None, transfer: None, default: Transfer::Linear };
+    words.decide(purpose, wishes, &mut statement).convert(&mut pixels);
+    Ok(PictureFile { picture: Picture { width: width as u32, height: height as u32, pixels }, statement })
 }
 
 /// Copies one channel of one row of a block.

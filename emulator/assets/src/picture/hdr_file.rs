@@ -6,7 +6,9 @@
 use std::io::{BufRead, Read};
 use std::path::Path;
 
-use super::{Picture, PictureError, check_size, open};
+use super::colour::{ColourWords, Transfer};
+use super::statement::{PictureFile, Purpose, Statement, Wishes};
+use super::{Picture, PictureError, check_size};
 
 /// Most bytes of a header.
 const MAX_HEADER_BYTES: u64 = 1 << 16;
@@ -19,8 +21,12 @@ const NEW_RUNS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 /// # Errors
 /// A file that cannot be opened, is no Radiance picture, is truncated or damaged; CIE colours (XYZE); rows that do not run from left
 /// to right and from top to bottom; a picture larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS).
-pub fn read_hdr(path: &Path) -> Result<Picture, PictureError> {
-    let mut reader = open(path)?;
+pub(super) fn read(
+    path: &Path,
+    mut reader: impl BufRead,
+    purpose: Purpose,
+    wishes: &Wishes,
+) -> Result<PictureFile, PictureError> {
     let (width, height) = read_header(path, &mut reader)?;
     let mut pixels = Vec::with_capacity(width as usize * height as usize);
     let mut line = vec![[0; 4]; width as usize];
@@ -29,7 +35,10 @@ pub fn read_hdr(path: &Path) -> Result<Picture, PictureError> {
             .map_err(|reason| PictureError::damaged(path, "HDR", format!("row {row} {reason}")))?;
         pixels.extend(line.iter().map(|rgbe| linear(*rgbe)));
     }
-    Ok(Picture { width, height, pixels })
+    let mut statement = Statement { channels: vec!["R".into(), "G".into(), "B".into()], ..Statement::default() };
+    let words = ColourWords { space: None, transfer: None, default: Transfer::Linear };
+    words.decide(purpose, wishes, &mut statement);
+    Ok(PictureFile { picture: Picture { width, height, pixels }, statement })
 }
 
 /// Size from the header: `#?`, lines, an empty line, and a line such as `-Y 512 +X 1024`.
@@ -44,9 +53,8 @@ fn read_header(path: &Path, reader: &mut impl BufRead) -> Result<(u32, u32), Pic
             _ => Err(damaged("its header has no end")),
         }
     };
-    if !next()?.starts_with("#?") {
-        return Err(damaged("it does not start with #?RADIANCE or #?RGBE"));
-    }
+    // The first line has told the kind.
+    next()?;
     loop {
         let line = next()?;
         match line.strip_prefix("FORMAT=") {
@@ -75,7 +83,7 @@ fn read_header(path: &Path, reader: &mut impl BufRead) -> Result<(u32, u32), Pic
 
 /// Reads the pixels of a row; its first four bytes tell the storage.
 fn read_line(reader: &mut impl Read, line: &mut [[u8; 4]]) -> Result<(), String> {
-    let first = read(reader)?;
+    let first = read_bytes(reader)?;
     if NEW_RUNS.contains(&line.len()) && first[..2] == [2, 2] && first[2] < 128 {
         if usize::from(u16::from_be_bytes([first[2], first[3]])) != line.len() {
             return Err("has another length".to_owned());
@@ -90,7 +98,7 @@ fn read_line(reader: &mut impl Read, line: &mut [[u8; 4]]) -> Result<(), String>
 fn read_new_runs(reader: &mut impl Read, line: &mut [[u8; 4]], channel: usize) -> Result<(), String> {
     let mut rest = line;
     while !rest.is_empty() {
-        let [code] = read(reader)?;
+        let [code] = read_bytes(reader)?;
         let count = usize::from(if code > 128 { code - 128 } else { code });
         if count == 0 || count > rest.len() {
             return Err("has a run that does not fit".to_owned());
@@ -99,7 +107,7 @@ fn read_new_runs(reader: &mut impl Read, line: &mut [[u8; 4]], channel: usize) -
         let mut byte = [0];
         for (index, pixel) in run.iter_mut().enumerate() {
             if index == 0 || code <= 128 {
-                byte = read(reader)?;
+                byte = read_bytes(reader)?;
             }
             pixel[channel] = byte[0];
         }
@@ -130,11 +138,11 @@ fn read_old_runs(reader: &mut impl Read, line: &mut [[u8; 4]], first: [u8; 4]) -
         if filled == line.len() {
             return Ok(());
         }
-        next = read(reader)?;
+        next = read_bytes(reader)?;
     }
 }
 
-fn read<const N: usize>(reader: &mut impl Read) -> Result<[u8; N], String> {
+fn read_bytes<const N: usize>(reader: &mut impl Read) -> Result<[u8; N], String> {
     let mut bytes = [0; N];
     reader.read_exact(&mut bytes).map_err(|error| match error.kind() {
         std::io::ErrorKind::UnexpectedEof => "is cut off".to_owned(),
@@ -157,11 +165,13 @@ fn linear([red, green, blue, exponent]: [u8; 4]) -> [f32; 3] {
 mod tests {
     use super::*;
 
-    fn read_bytes(bytes: &[u8]) -> Result<Picture, String> {
+    fn read_file(bytes: &[u8]) -> Result<Picture, String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.hdr");
         std::fs::write(&path, bytes).unwrap();
-        read_hdr(&path).map_err(|error| error.to_string())
+        super::super::read(&path, Purpose::Colours, &Wishes::default())
+            .map(|read| read.picture)
+            .map_err(|error| error.to_string())
     }
 
     fn file(size: &str, pixels: &[u8]) -> Vec<u8> {
@@ -172,11 +182,11 @@ mod tests {
     #[test]
     fn plain_pixels_are_mantissas_times_a_power_of_two() {
         let pixels = [128, 64, 0, 129, 255, 1, 2, 0, 255, 255, 255, 255, 1, 2, 1, 1];
-        let picture = read_bytes(&file("-Y 2 +X 2", &pixels)).unwrap();
+        let picture = read_file(&file("-Y 2 +X 2", &pixels)).unwrap();
         assert_eq!((picture.width, picture.height), (2, 2));
         let last = [1.0, 2.0, 1.0].map(|mantissa: f32| mantissa * 2f32.powi(-135));
         assert_eq!(picture.pixels, [[1.0, 0.5, 0.0], [0.0; 3], [255.0 * 2f32.powi(119); 3], last]);
-        assert!(read_bytes(&[b"#?RGBE\n\n-Y 1 +X 1\n", &pixels[..4]].concat()).is_ok());
+        assert!(read_file(&[b"#?RGBE\n\n-Y 1 +X 1\n", &pixels[..4]].concat()).is_ok());
     }
 
     #[test]
@@ -190,17 +200,17 @@ mod tests {
             // A run of 8, and a stretch of 2.
             new.extend([128 + 8, a[channel], 2, a[channel], b[channel]]);
         }
-        let read = |pixels: &[u8]| read_bytes(&file("-Y 1 +X 10", pixels)).unwrap();
+        let read = |pixels: &[u8]| read_file(&file("-Y 1 +X 10", pixels)).unwrap();
         assert_eq!(read(&plain), read(&old));
         assert_eq!(read(&plain), read(&new));
 
         // A second mark counts 256s; wider than the new kind allows.
         let long = [&a[..], &[1, 1, 1, 255], &[1, 1, 1, 128]].concat();
         let width = 1 + 255 + 128 * 256;
-        let picture = read_bytes(&file(&format!("-Y 1 +X {width}"), &long));
+        let picture = read_file(&file(&format!("-Y 1 +X {width}"), &long));
         assert!(picture.unwrap_err().contains("at most 16384 an edge"));
         let shorter = [&a[..], &[1, 1, 1, 255], &[1, 1, 1, 3]].concat();
-        let picture = read_bytes(&file(&format!("-Y 1 +X {}", 256 + 3 * 256), &shorter)).unwrap();
+        let picture = read_file(&file(&format!("-Y 1 +X {}", 256 + 3 * 256), &shorter)).unwrap();
         assert!(picture.pixels.iter().all(|pixel| *pixel == linear(a)));
     }
 
@@ -208,7 +218,7 @@ mod tests {
     fn bad_files_say_what_is_wrong_and_cut_ones_do_not_panic() {
         let row = |pixels: &[u8]| file("-Y 1 +X 8", pixels);
         for (bytes, expected) in [
-            (b"\x89PNG\r\n\x1a\n".to_vec(), "does not start with #?RADIANCE"),
+            (b"\x89PNG\r\n\x1a\n".to_vec(), "not a readable PNG file"),
             (b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n".to_vec(), "header has no end"),
             (b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n".to_vec(), "format `32-bit_rle_xyze`; export it as"),
             (file("+Y 1 +X 1", &[0; 4]), "order `+Y +X`"),
@@ -224,16 +234,16 @@ mod tests {
             (row(&[1, 1, 1, 3]), "a run that does not fit"),
             (row(&[9, 9, 9, 9, 1, 1, 1, 8]), "a run that does not fit"),
         ] {
-            let message = read_bytes(&bytes).unwrap_err();
+            let message = read_file(&bytes).unwrap_err();
             assert!(message.contains(expected), "{expected}: {message}");
         }
         let mut endless = b"#?RADIANCE\n".to_vec();
         endless.resize(1 << 17, b'x');
-        assert!(read_bytes(&endless).unwrap_err().contains("header has no end"));
+        assert!(read_file(&endless).unwrap_err().contains("header has no end"));
         let whole = row(&[&[2, 2, 0, 8][..], &[128 + 8, 7].repeat(4)].concat());
-        assert!(read_bytes(&whole).is_ok());
+        assert!(read_file(&whole).is_ok());
         for end in 0..whole.len() {
-            assert!(read_bytes(&whole[..end]).is_err());
+            assert!(read_file(&whole[..end]).is_err());
         }
     }
 }

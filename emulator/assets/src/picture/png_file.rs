@@ -1,11 +1,13 @@
 //! PNG files: 1, 2, 4, 8 or 16 bits are read, 8 bits written.
 
-use std::io::Write;
+use std::io::{BufRead, Seek, Write};
 use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::{Encoding, Picture, PictureError, check_size, linear_to_srgb8, open, srgb_to_linear};
+use super::colour::{ColourWords, Transfer};
+use super::statement::{PictureFile, Purpose, Statement, Wishes};
+use super::{Picture, PictureError, check_size, linear_to_srgb8};
 use roughxel_utilities::output::OutputFile;
 
 /// Reads a PNG; grey becomes three equal channels, alpha is ignored.
@@ -16,9 +18,14 @@ use roughxel_utilities::output::OutputFile;
 /// # Errors
 /// A file that cannot be opened, is no PNG, is truncated or damaged, or is larger than [`MAX_EDGE`](super::MAX_EDGE) or
 /// [`MAX_PIXELS`](super::MAX_PIXELS).
-pub fn read_png(path: &Path, encoding: Encoding) -> Result<Picture, PictureError> {
+pub(super) fn read(
+    path: &Path,
+    file: impl BufRead + Seek,
+    purpose: Purpose,
+    wishes: &Wishes,
+) -> Result<PictureFile, PictureError> {
     let damaged = |reason: png::DecodingError| PictureError::damaged(path, "PNG", reason);
-    let mut decoder = png::Decoder::new(open(path)?);
+    let mut decoder = png::Decoder::new(file);
     let header = decoder.read_header_info().map_err(damaged)?;
     let (width, height) = check_size(path, header.width.into(), header.height.into())?;
     decoder.set_transformations(png::Transformations::EXPAND);
@@ -31,18 +38,22 @@ pub fn read_png(path: &Path, encoding: Encoding) -> Result<Picture, PictureError
         return Err(PictureError::damaged(path, "PNG", reason));
     }
 
+    let mut statement = Statement::default();
+    let words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
+    let colours = words.decide(purpose, wishes, &mut statement);
     let channels = frame.color_type.samples();
-    let pixels = if frame.bit_depth == png::BitDepth::Sixteen {
-        let table = decode_table(65535, encoding);
+    let mut pixels = if frame.bit_depth == png::BitDepth::Sixteen {
+        let table = decode_table(65535, colours.transfer);
         let samples = |pixel: &[u8], index: usize| {
             table[usize::from(u16::from_be_bytes([pixel[2 * index], pixel[2 * index + 1]]))]
         };
         collect_pixels(&bytes, 2 * channels, channels, samples)
     } else {
-        let table = decode_table(255, encoding);
+        let table = decode_table(255, colours.transfer);
         collect_pixels(&bytes, channels, channels, |pixel, index| table[usize::from(pixel[index])])
     };
-    Ok(Picture { width, height, pixels })
+    colours.convert(&mut pixels);
+    Ok(PictureFile { picture: Picture { width, height, pixels }, statement })
 }
 
 /// Pixels from packed samples: channels 0, 1, 2, or channel 0 three times if there are fewer than three.
@@ -67,16 +78,8 @@ fn collect_pixels(
 }
 
 /// Value of every code 0…`largest`.
-pub(super) fn decode_table(largest: u32, encoding: Encoding) -> Vec<f32> {
-    (0..=largest)
-        .map(|code| {
-            let value = f64::from(code) / f64::from(largest);
-            match encoding {
-                Encoding::Srgb => srgb_to_linear(value) as f32,
-                Encoding::Linear => value as f32,
-            }
-        })
-        .collect()
+pub(super) fn decode_table(largest: u32, transfer: Transfer) -> Vec<f32> {
+    (0..=largest).map(|code| transfer.decode(f64::from(code) / f64::from(largest)) as f32).collect()
 }
 
 /// Writes an 8-bit sRGB PNG of linear light, each value by [`linear_to_srgb8`].

@@ -6,11 +6,22 @@ use exr::compression::Compression;
 use exr::prelude::{Encoding as ExrEncoding, WritableImage, f16};
 use png::{BitDepth, ColorType};
 
+use super::colour::Transfer;
 use super::png_file::decode_table;
 use super::*;
 use roughxel_utilities::random::SplitMix64;
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
+
+/// The picture of a file of colours.
+fn read_colours(path: &Path) -> Result<Picture, PictureError> {
+    read(path, Purpose::Colours, &Wishes::default()).map(|read| read.picture)
+}
+
+/// The numbers of a data map.
+fn read_data(path: &Path) -> Result<Picture, PictureError> {
+    read(path, Purpose::Data, &Wishes::default()).map(|read| read.picture)
+}
 
 /// True if the result is an error whose message has this part.
 fn fails<T>(result: Result<T, PictureError>, part: &str) -> bool {
@@ -93,7 +104,7 @@ fn pngs_of_all_depths_and_kinds_give_their_values() -> TestResult {
     ];
     for (color, depth, palette, samples, expected) in cases {
         let bytes = png_bytes((2, 1), color, depth, palette, samples)?;
-        let picture = read_png(&directory.file("a.png", &bytes)?, Encoding::Linear)?;
+        let picture = read_data(&directory.file("a.png", &bytes)?)?;
         assert_eq!((picture.width, picture.height), (2, 1));
         assert_eq!(picture.pixels, expected, "{color:?} {depth:?}");
     }
@@ -117,10 +128,10 @@ fn the_srgb_curve_agrees_with_its_definition_at_every_16_bit_code() {
 fn writing_and_reading_returns_every_8_bit_code() -> TestResult {
     let directory = Directory::new()?;
     let path = directory.path("codes.png");
-    let table = decode_table(255, Encoding::Srgb);
+    let table = decode_table(255, Transfer::Srgb);
     let picture = Picture { width: 16, height: 16, pixels: table.iter().map(|value| [*value; 3]).collect() };
     write_png_srgb(&path, &picture)?;
-    assert_eq!(read_png(&path, Encoding::Srgb)?, picture);
+    assert_eq!(read_colours(&path)?, picture);
     // An existing file is replaced, and nothing else is left in the directory.
     write_png_srgb(&path, &picture)?;
     assert_eq!(std::fs::read_dir(directory.0.path())?.count(), 1);
@@ -160,14 +171,14 @@ fn exrs_of_all_kinds_give_their_values() -> TestResult {
         for compression in [Compression::Uncompressed, Compression::RLE, Compression::ZIP16, Compression::PIZ] {
             let encoding = ExrEncoding { compression, blocks, line_order: LineOrder::Increasing };
             let path = directory.file("a.exr", &exr_bytes(7, &rgba, encoding)?)?;
-            let picture = read_exr(&path)?;
+            let picture = read_colours(&path)?;
             assert_eq!((picture.width, picture.height), (7, 5));
             for (i, pixel) in picture.pixels.iter().enumerate() {
                 assert_eq!(*pixel, [0, 1, 2].map(|c| (i + c) as f32 / 4.0));
             }
             for single in [&grey, &depth] {
                 let path = directory.file("a.exr", &exr_bytes(7, single, encoding)?)?;
-                assert_eq!(read_exr(&path)?.pixel(6, 4), [37.0 / 4.0; 3]);
+                assert_eq!(read_colours(&path)?.pixel(6, 4), [37.0 / 4.0; 3]);
             }
         }
     }
@@ -181,9 +192,9 @@ fn negative_exr_pixels_become_0_and_infinite_ones_are_refused() -> TestResult {
         let bytes = exr_bytes(2, &[("Y", vec![1.0, value])], ExrEncoding::default())?;
         Ok::<_, Box<dyn std::error::Error>>(directory.file("a.exr", &bytes)?)
     };
-    assert_eq!(read_exr(&write(-0.5)?)?.pixel(1, 0), [0.0; 3]);
+    assert_eq!(read_colours(&write(-0.5)?)?.pixel(1, 0), [0.0; 3]);
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        assert!(fails(read_exr(&write(value)?), &format!("has the value {value} at pixel (1, 0)")));
+        assert!(fails(read_colours(&write(value)?), &format!("has the value {value} at pixel (1, 0)")));
     }
     Ok(())
 }
@@ -195,10 +206,10 @@ fn exrs_without_a_colour_or_by_b44_are_refused() -> TestResult {
     let b44 =
         ExrEncoding { compression: Compression::B44, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let grey = exr_bytes(2, &[("Y", vec![0.0; 4])], b44)?;
-    assert!(fails(read_exr(&directory.file("a.exr", &grey)?), "is compressed by B44; export it as"));
+    assert!(fails(read_colours(&directory.file("a.exr", &grey)?), "is compressed by B44; export it as"));
     let channels = [("U", vec![0.0; 4]), ("V", vec![0.0; 4])];
     let path = directory.file("a.exr", &exr_bytes(2, &channels, ExrEncoding::default())?)?;
-    assert!(fails(read_exr(&path), "has neither R, G and B channels nor a single one; export it as"));
+    assert!(fails(read_colours(&path), "has neither R, G and B channels nor a single one; export it as"));
     Ok(())
 }
 
@@ -206,9 +217,7 @@ fn exrs_without_a_colour_or_by_b44_are_refused() -> TestResult {
 fn missing_files_and_directories_are_named() {
     let path = Path::new("/no such directory/a.png");
     let picture = Picture::filled(1, 1, [0.0; 3]);
-    for result in
-        [read_png(path, Encoding::Srgb).map(|_| ()), read_exr(path).map(|_| ()), write_png_srgb(path, &picture)]
-    {
+    for result in [read_colours(path).map(|_| ()), write_png_srgb(path, &picture)] {
         let message = result.err().map(|error| error.to_string()).unwrap_or_default();
         assert!(message.contains("/no such directory/a.png") && message.contains("check"));
     }
@@ -234,12 +243,12 @@ fn sizes_beyond_the_limits_are_refused_from_the_header() -> TestResult {
         let mut bytes = Vec::new();
         // A header alone.
         png::Encoder::new(&mut bytes, width, height).write_header()?;
-        let error = read_png(&directory.file("a.png", &bytes)?, Encoding::Linear);
+        let error = read_data(&directory.file("a.png", &bytes)?);
         assert!(fails(error, &format!("has {width}×{height} pixels; at most 16384 an edge")));
     }
     let line = vec![0.5; 16385];
     let bytes = exr_bytes(16385, &[("Y", line)], ExrEncoding::default())?;
-    assert!(fails(read_exr(&directory.file("a.exr", &bytes)?), "has 16385×1 pixels; at most 16384 an edge"));
+    assert!(fails(read_colours(&directory.file("a.exr", &bytes)?), "has 16385×1 pixels; at most 16384 an edge"));
     Ok(())
 }
 
@@ -251,13 +260,13 @@ fn truncated_files_are_errors_at_every_length() -> TestResult {
     // The last 12 bytes are the IEND chunk, the previous 4 the CRC of the pixels: all pixels are there without them.
     for length in 0..png.len() - 16 {
         let path = directory.file("a.png", &png[..length])?;
-        assert!(read_png(&path, Encoding::Srgb).is_err(), "{length}");
+        assert!(read_colours(&path).is_err(), "{length}");
     }
     let ramp = (0..81).map(|i| (i * 37 % 83) as f32).collect();
     let exr = exr_bytes(9, &[("Y", ramp)], ExrEncoding::SMALL_LOSSLESS)?;
     for length in 0..exr.len() {
         let path = directory.file("a.exr", &exr[..length])?;
-        assert!(read_exr(&path).is_err(), "{length}");
+        assert!(read_colours(&path).is_err(), "{length}");
     }
     Ok(())
 }
@@ -296,7 +305,7 @@ fn damaged_files_never_panic() -> TestResult {
             }
             let path = directory.file("a", &damaged)?;
             // Either result is correct; a panic fails the test.
-            let _ = (read_png(&path, Encoding::Srgb), read_exr(&path));
+            let _ = read_colours(&path);
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use roughxel_assets::picture::{Encoding, read_png};
+use roughxel_assets::picture::{Picture, Purpose, Wishes, read};
 use roughxel_cli::gallery::{DrawnColumn, DrawnScene, Settings, draw_scene, table, work};
 use roughxel_core::precision::Precision;
 use serde_json::Value;
@@ -48,6 +48,10 @@ fn attribute<'a>(tag: &'a str, name: &str) -> &'a str {
     &tag[start..start + tag[start..].find('"').unwrap()]
 }
 
+fn colours(path: &Path) -> Picture {
+    read(path, Purpose::Colours, &Wishes::default()).unwrap().picture
+}
+
 #[test]
 fn a_gallery_has_every_picture_a_whole_page_and_figures() {
     let directory = tempfile::tempdir().unwrap();
@@ -56,10 +60,10 @@ fn a_gallery_has_every_picture_a_whole_page_and_figures() {
     let files = |stem: &str| [format!("{stem}.png"), format!("difference-{stem}.png")];
     let columns = ["unfiltered", "isotropic", "filtered", "16-samples"];
     for file in columns.iter().flat_map(|stem| files(stem)).chain(["reference.png".into()]) {
-        let picture = read_png(&own.join(&file), Encoding::Srgb).unwrap();
+        let picture = colours(&own.join(&file));
         assert_eq!((picture.width, picture.height), (32, 24), "{file}");
     }
-    let row = read_png(&own.join("side-by-side.png"), Encoding::Srgb).unwrap();
+    let row = colours(&own.join("side-by-side.png"));
     assert_eq!((row.width, row.height), (5 * 32 + 4 * 8, 24));
     let mut there: Vec<String> =
         fs::read_dir(&own).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
@@ -141,7 +145,7 @@ fn every_scene_can_be_told_from_what_it_is_compared_with() {
     let settings = Settings { size: [80, 60], reference_edge: 1, precision: Precision::STANDARD, cache };
     for entry in table::ENTRIES {
         let drawn = draw_scene(entry, &settings, directory.path(), &|_, _| ()).unwrap();
-        let read = |column: &DrawnColumn| read_png(&column.picture, Encoding::Srgb).unwrap().pixels;
+        let read = |column: &DrawnColumn| colours(&column.picture).pixels;
         let filtered = read(drawn.column(table::FILTERED.label).unwrap());
         let psnr = |column: &DrawnColumn| {
             let errors = filtered.iter().flatten().zip(read(column).into_iter().flatten());

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use roughxel_assets::picture::{Encoding, MAX_PIXELS, Picture};
+use roughxel_assets::picture::{Envmap, MAX_PIXELS, Picture, Purpose};
 use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 use toml::Spanned;
 
@@ -52,7 +52,7 @@ impl Maps<'_> {
 
     /// Faces of a picture of the sphere or of a part of it.
     fn panorama(
-        &self,
+        &mut self,
         arguments: &Arguments<'_>,
         (path, span): (&str, Range<usize>),
     ) -> Result<[Picture; 6], SceneError> {
@@ -63,8 +63,19 @@ impl Maps<'_> {
             longitudes: longitudes.unwrap_or(Extent::SPHERE.longitudes),
             latitudes: latitudes.unwrap_or(Extent::SPHERE.latitudes),
         };
-        let picture = self.read_picture(path, span.clone(), Encoding::Srgb)?;
+        let (picture, envmap) = self.read_light(path, span.clone())?;
         let size = format!("{}×{}", picture.width, picture.height);
+        if envmap == Some(Envmap::Cube) && latitudes.is_none() {
+            let message = format!("`{path}` says that it holds the six faces of a cube (`envmap`)");
+            return Err(arguments.error_at(span, message, "name it with `cube`"));
+        }
+        if let (Some(Envmap::Latlong), None, Some(read)) = (envmap, longitudes, self.pictures.last_mut()) {
+            read.statement.ignored.push(
+                "OpenEXR has +z in the middle of a map of longitude and latitude (`envmap`); here it is −z, and \
+                 `longitudes = [0, 360]` turns the map"
+                    .to_owned(),
+            );
+        }
         if latitudes.is_none() && !fits(&picture, extent.ratio()) {
             let (message, help) = not_a_panorama(&picture, &extent);
             return Err(arguments.error_at(span, format!("`{path}` has {size} pixels, {message}"), help));
@@ -86,12 +97,13 @@ impl Maps<'_> {
     ) -> Result<[Picture; 6], SceneError> {
         let layout = arguments.word("layout", &LAYOUTS)?;
         let orientation = arguments.word("orientation", &ORIENTATIONS)?;
-        let picture = self.read_picture(path, span.clone(), Encoding::Srgb)?;
+        let (picture, envmap) = self.read_light(path, span.clone())?;
+        let by_file = (envmap == Some(Envmap::Cube)).then_some(Layout::OpenExr);
         let error = |message: String, help: String| {
             let message = format!("`{path}` has {}×{} pixels, {message}", picture.width, picture.height);
             Err(arguments.error_at(span.clone(), message, help))
         };
-        let Some(layout) = layout.or(Layout::from_size(picture.width, picture.height)) else {
+        let Some(layout) = layout.or(by_file).or(Layout::from_size(picture.width, picture.height)) else {
             let shapes = LAYOUTS.map(|(name, layout)| format!("{} (\"{name}\")", layout.shapes())).join(", ");
             let help = if fits(&picture, Extent::SPHERE.ratio()) {
                 "name a panorama of longitude and latitude with `equirectangular`".to_owned()
@@ -128,15 +140,22 @@ impl Maps<'_> {
         in_vulkan_orientation(faces, orientation)
     }
 
+    /// A picture of light, and its projection if the file names one.
+    fn read_light(&mut self, path: &str, span: Range<usize>) -> Result<(Picture, Option<Envmap>), SceneError> {
+        let picture = self.read_picture("environment", path, span, Purpose::Environment)?;
+        Ok((picture, self.pictures.last().and_then(|read| read.statement.envmap)))
+    }
+
     /// The pictures of six files.
-    fn six_faces(&self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
+    fn six_faces(&mut self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
+        let source = self.source;
         let wrong_count = |_| {
             let message = format!("`faces` names {} files", paths.len());
-            self.source.value_error(span.clone(), message, "name six: +x, −x, +y, −y, +z, −z, in this order")
+            source.value_error(span.clone(), message, "name six: +x, −x, +y, −y, +z, −z, in this order")
         };
         let mut faces = Vec::new();
         for path in <&[String; 6]>::try_from(paths).map_err(|_| wrong_count(()))? {
-            let face = self.read_picture(path, span.clone(), Encoding::Srgb)?;
+            let face = self.read_picture("environment", path, span.clone(), Purpose::Environment)?;
             let edge = faces.first().map_or(face.width, |first: &Picture| first.width);
             if face.width != face.height || face.width != edge || edge > MAX_FACE_EDGE {
                 let message = format!("the face `{path}` has {}×{} pixels", face.width, face.height);

@@ -16,8 +16,9 @@ use crate::generate::{
 };
 use crate::lighting::PEAK_HEIGHTS;
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
+use crate::scene::PictureUse;
 use crate::source::{ArgumentTable, Arguments, Source};
-use roughxel_assets::picture::{Encoding, Picture, read_exr, read_hdr, read_png};
+use roughxel_assets::picture::{self, Picture, Purpose, Wishes};
 
 /// Reads the maps of one scene; a map that is named more than once is made once.
 pub(super) struct Maps<'a> {
@@ -28,6 +29,8 @@ pub(super) struct Maps<'a> {
     roughness: HashMap<String, Arc<RoughnessField>>,
     /// Repairs, one sentence each.
     pub(super) warnings: Vec<String>,
+    /// Picture files in the order in which they are read.
+    pub(super) pictures: Vec<PictureUse>,
 }
 
 impl<'a> Maps<'a> {
@@ -40,27 +43,32 @@ impl<'a> Maps<'a> {
             bumps: HashMap::new(),
             roughness: HashMap::new(),
             warnings: Vec::new(),
+            pictures: Vec::new(),
         }
     }
 }
 
 impl Maps<'_> {
-    /// Reads a PNG or, by its ending, an EXR or HDR file (always linear).
+    /// Reads the picture `path` of a table; `used_as` names its use in the scene.
     pub(super) fn read_picture(
-        &self,
+        &mut self,
+        used_as: &str,
         path: &str,
         span: Range<usize>,
-        encoding: Encoding,
+        purpose: Purpose,
     ) -> Result<Picture, SceneError> {
-        let path = self.resolve(path);
-        let is = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
-        let picture = match () {
-            () if is("exr") => read_exr(&path),
-            () if is("hdr") => read_hdr(&path),
-            () => read_png(&path, encoding),
-        };
-        picture
-            .map_err(|error| self.source.value_error(span, error.to_string(), "paths are relative to the scene file"))
+        let read = picture::read(&self.resolve(path), purpose, &Wishes::default()).map_err(|error| {
+            let missing = error.is_missing();
+            let remedy = if missing { "paths are relative to the scene file".to_owned() } else { error.remedy };
+            self.source.value_error(span, error.message, remedy)
+        })?;
+        self.warnings.extend(read.statement.warnings.iter().map(|warning| format!("{used_as}: {warning}")));
+        self.pictures.push(PictureUse {
+            used_as: used_as.to_owned(),
+            path: path.to_owned(),
+            statement: read.statement,
+        });
+        Ok(read.picture)
     }
 
     /// A path, relative to the scene file.
@@ -70,13 +78,14 @@ impl Maps<'_> {
 
     /// The picture of a table with `path` or `generate`. Keys that neither it nor the caller asked for are refused.
     fn picture(
-        &self,
+        &mut self,
+        used_as: &str,
         arguments: &Arguments<'_>,
         generators: &Generators<Picture>,
-        encoding: Encoding,
+        purpose: Purpose,
     ) -> Result<Picture, SceneError> {
         let picture = match (arguments.text("path")?, arguments.text("generate")?) {
-            (Some((path, span)), None) => self.read_picture(path, span, encoding)?,
+            (Some((path, span)), None) => self.read_picture(used_as, path, span, purpose)?,
             (None, Some(named)) => generators.make(arguments, named, self.progress)?,
             _ => {
                 return Err(arguments.error("the map is not clear", "give exactly one of `path` and `generate`"));
@@ -97,8 +106,9 @@ impl Maps<'_> {
         if let Some(known) = self.colour_maps.get(&key) {
             return Ok(Arc::clone(known));
         }
-        let picture = Arc::new(self.picture(&arguments, &COLOUR_MAPS, Encoding::Srgb)?);
-        self.warnings.extend(light::cut_colour(&format!("{name}: colour map"), &picture));
+        let used_as = format!("{name}: colour map");
+        let picture = Arc::new(self.picture(&used_as, &arguments, &COLOUR_MAPS, Purpose::Colours)?);
+        self.warnings.extend(light::cut_colour(&used_as, &picture));
         self.colour_maps.insert(key, Arc::clone(&picture));
         Ok(picture)
     }
@@ -129,7 +139,7 @@ impl Maps<'_> {
             let scale = height_scale(&arguments, frame)?;
             let wraps = arguments.flag("wrap", true)?.is_none_or(|(wraps, _)| wraps);
             let edges = if wraps { Edges::Wrapped } else { Edges::Open };
-            let heights = self.picture(&arguments, &HEIGHT_MAPS, Encoding::Linear)?;
+            let heights = self.picture(&format!("{name}: height map"), &arguments, &HEIGHT_MAPS, Purpose::Heights)?;
             if with_heights {
                 BumpField::with_heights(&heights, scale, frame, edges)
             } else {
@@ -146,7 +156,8 @@ impl Maps<'_> {
                 let help = "leave `wrap` out: normals are taken as they are, no slope is taken across an edge";
                 return Err(arguments.error_at(span, "`wrap` belongs to a height map", help));
             }
-            BumpField::from_normals(&self.picture(&arguments, &NORMAL_MAPS, Encoding::Linear)?, green)
+            let used_as = format!("{name}: normal map");
+            BumpField::from_normals(&self.picture(&used_as, &arguments, &NORMAL_MAPS, Purpose::Normals)?, green)
         };
         if clamped > 0 {
             self.warnings.push(format!(
@@ -186,7 +197,7 @@ impl Maps<'_> {
         let field = match self.roughness.get(&key) {
             Some(known) => Arc::clone(known),
             None => {
-                let (field, clamped) = self.roughness_field(&arguments)?;
+                let (field, clamped) = self.roughness_field(name, &arguments)?;
                 if clamped > 0 {
                     self.warnings.push(format!(
                         "{name}: {clamped} texels of the roughness map are outside 0 to {MAX_DEVIATION} and were clamped"
@@ -209,7 +220,11 @@ impl Maps<'_> {
     }
 
     /// The factors of a table, and how many were out of range.
-    fn roughness_field(&self, arguments: &Arguments<'_>) -> Result<(RoughnessField, usize), SceneError> {
+    fn roughness_field(
+        &mut self,
+        name: &str,
+        arguments: &Arguments<'_>,
+    ) -> Result<(RoughnessField, usize), SceneError> {
         if arguments.text("generate")?.is_some_and(|(name, _)| name == UNIFORM_ROUGHNESS) {
             let factor = uniform_roughness(arguments)?;
             arguments.finish()?;
@@ -219,7 +234,7 @@ impl Maps<'_> {
         let words = [("isotropic", RoughnessChannels::Isotropic), ("anisotropic", RoughnessChannels::Anisotropic)];
         let channels = arguments.word("channels", &words)?.unwrap_or(RoughnessChannels::Isotropic);
         // The grey of a height map serves for a deviation as well as for a height.
-        let picture = self.picture(arguments, &HEIGHT_MAPS, Encoding::Linear)?;
+        let picture = self.picture(&format!("{name}: roughness map"), arguments, &HEIGHT_MAPS, Purpose::Data)?;
         Ok(RoughnessField::from_picture(&picture, channels, deviation))
     }
 }
