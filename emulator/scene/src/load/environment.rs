@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use roughxel_assets::picture::{CubeFile, MAX_PIXELS, Picture, Purpose, Wishes, is_cube_file, read_cube};
+use roughxel_assets::picture::{CubeFile, Envmap, MAX_PIXELS, Picture, Purpose, Wishes, is_cube_file, read_cube};
 use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 use toml::Spanned;
 
@@ -63,8 +63,19 @@ impl Maps<'_> {
             longitudes: longitudes.unwrap_or(Extent::SPHERE.longitudes),
             latitudes: latitudes.unwrap_or(Extent::SPHERE.latitudes),
         };
-        let picture = self.read_picture("environment", path, span.clone(), Purpose::Environment)?;
+        let (picture, envmap) = self.read_light(path, span.clone())?;
         let size = format!("{}×{}", picture.width, picture.height);
+        if envmap == Some(Envmap::Cube) && latitudes.is_none() {
+            let message = format!("`{path}` says that it holds the six faces of a cube (`envmap`)");
+            return Err(arguments.error_at(span, message, "name it with `cube`"));
+        }
+        if let (Some(Envmap::Latlong), None, Some(read)) = (envmap, longitudes, self.pictures.last_mut()) {
+            read.statement.ignored.push(
+                "OpenEXR has +z in the middle of a map of longitude and latitude (`envmap`); here it is −z, and \
+                 `longitudes = [0, 360]` turns the map"
+                    .to_owned(),
+            );
+        }
         if latitudes.is_none() && !fits(&picture, extent.ratio()) {
             let (message, help) = not_a_panorama(&picture, &extent);
             return Err(arguments.error_at(span, format!("`{path}` has {size} pixels, {message}"), help));
@@ -98,12 +109,13 @@ impl Maps<'_> {
             self.say("environment", path, statement);
             return Ok(self.oriented(faces, orientation.unwrap_or(Orientation::Outside)));
         }
-        let picture = self.read_picture("environment", path, span.clone(), Purpose::Environment)?;
+        let (picture, envmap) = self.read_light(path, span.clone())?;
+        let by_file = (envmap == Some(Envmap::Cube)).then_some(Layout::OpenExr);
         let error = |message: String, help: String| {
             let message = format!("`{path}` has {}×{} pixels, {message}", picture.width, picture.height);
             Err(arguments.error_at(span.clone(), message, help))
         };
-        let Some(layout) = layout.or(Layout::from_size(picture.width, picture.height)) else {
+        let Some(layout) = layout.or(by_file).or(Layout::from_size(picture.width, picture.height)) else {
             let shapes = LAYOUTS.map(|(name, layout)| format!("{} (\"{name}\")", layout.shapes())).join(", ");
             let help = if fits(&picture, Extent::SPHERE.ratio()) {
                 "name a panorama of longitude and latitude with `equirectangular`".to_owned()
@@ -138,6 +150,12 @@ impl Maps<'_> {
             ));
         }
         in_vulkan_orientation(faces, orientation)
+    }
+
+    /// A picture of light, and its projection if the file names one.
+    fn read_light(&mut self, path: &str, span: Range<usize>) -> Result<(Picture, Option<Envmap>), SceneError> {
+        let picture = self.read_picture("environment", path, span, Purpose::Environment)?;
+        Ok((picture, self.pictures.last().and_then(|read| read.statement.envmap)))
     }
 
     /// The pictures of six files.
