@@ -383,7 +383,7 @@ fn vectors_scenes_and_frames_ask_no_platform_for_a_sine() {
     ];
     let emulator = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator");
     let mut used = [false; PLATFORM_FUNCTIONS.len()];
-    for package in ["cases", "scene", "maps", "peaks", "frame", "shader", "simd", "utilities"] {
+    for package in ["assets", "cases", "scene", "maps", "peaks", "frame", "shader", "simd", "utilities"] {
         for (name, _, tokens) in files_below(&emulator.join(package).join("src")) {
             let name = format!("{package}/src/{name}");
             if name.ends_with("/tests.rs") || name.contains("/tests/") {
