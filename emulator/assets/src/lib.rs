@@ -4,9 +4,11 @@
 //!
 //! `picture` reads and writes pictures; `mesh` reads triangles. Sizes are bounded before memory is taken.
 
+mod file_kind;
 pub mod gltf;
 mod mesh;
 pub mod picture;
 
+pub use file_kind::{FileKind, file_kind};
 pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, ReadMesh, ReadOptions, Tangents, Vertex, parse_obj, read_mesh};
 pub use picture::Picture;

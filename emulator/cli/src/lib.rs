@@ -16,6 +16,7 @@ mod eval;
 mod failure;
 pub mod gallery;
 mod import;
+mod inspect;
 mod plan;
 mod ranges;
 mod render;
@@ -55,6 +56,9 @@ enum Command {
     /// Make a scene of a glTF model: its triangles, materials and maps as files that can be edited.
     #[command(long_about = import::LONG_HELP)]
     Import(import::ImportArgs),
+    /// Say what a picture or a model is, how it is read, and what of it is ignored.
+    #[command(long_about = inspect::LONG_HELP)]
+    Inspect(inspect::InspectArgs),
     /// Export and verify golden vectors, and check devices with them.
     #[command(subcommand)]
     Vectors(vectors::VectorsCommand),
@@ -105,6 +109,7 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Import(args) => import::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Vectors(command) => vectors::run(&command),
         Command::Eval(args) => eval::run(&args),
         Command::Report(command) => report::run(&command),

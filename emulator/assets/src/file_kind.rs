@@ -1,0 +1,66 @@
+//! Kinds of assets, by the bytes of their files.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use roughxel_utilities::input::open_file;
+
+use crate::picture::{Kind, PictureError};
+
+/// Reader that a file is meant for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A picture, with a reader or without.
+    Picture,
+    /// A container of cube maps: KTX2 or DDS.
+    Cube,
+    /// A glTF model.
+    Model,
+    /// Anything else, which only a mesh can be.
+    Mesh,
+}
+
+/// Finds the reader for a file.
+///
+/// # Errors
+/// A file that cannot be opened or read.
+pub fn file_kind(path: &Path) -> Result<FileKind, PictureError> {
+    let mut head = Vec::new();
+    let read = open_file(path).and_then(|file| file.take(512).read_to_end(&mut head));
+    read.map_err(|source| PictureError::open(path, source))?;
+    Ok(match Kind::from_head(&head) {
+        Kind::Other("KTX2" | "DDS") => FileKind::Cube,
+        Kind::Other("GLB (binary glTF)" | "JSON") => FileKind::Model,
+        Kind::Other("text" | "unknown" | "XML" | "HTML" | "ZIP" | "gzip" | "Blender" | "Git LFS pointer") => FileKind::Mesh,
+        _ => FileKind::Picture,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_go_to_the_reader_of_their_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("asset.png");
+        for (bytes, kind) in [
+            (&b"\x89PNG\r\n\x1a\n"[..], FileKind::Picture),
+            (b"\xff\xd8\xff\xe0", FileKind::Picture),
+            (b"\x76\x2f\x31\x01", FileKind::Picture),
+            (b"#?RADIANCE\n", FileKind::Picture),
+            (b"\xabKTX 20\xbb\r\n\x1a\n", FileKind::Cube),
+            (b"DDS |\0\0\0", FileKind::Cube),
+            (b"glTF\x02\0\0\0", FileKind::Model),
+            (b"{ \"asset\": {} }", FileKind::Model),
+            (b"v 0 0 0\n", FileKind::Mesh),
+            (b"ply\nformat ascii 1.0\n", FileKind::Mesh),
+            (b"Kaydara FBX Binary  \0", FileKind::Mesh),
+            (b"", FileKind::Picture),
+        ] {
+            std::fs::write(&path, bytes).unwrap();
+            assert_eq!(file_kind(&path).unwrap(), kind, "{:?}", String::from_utf8_lossy(bytes));
+        }
+        assert!(file_kind(&folder.path().join("none")).is_err());
+    }
+}
