@@ -4,79 +4,28 @@
 //! tangents and cuts polygons into triangles.
 
 mod build;
+mod error;
 mod kind;
 mod obj;
 mod polygon;
 mod tangents;
+mod triangles;
 #[cfg(test)]
 mod tests;
 
 use std::io::Read as _;
 use std::path::Path;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use roughxel_utilities::input::open_file;
 
+pub use error::MeshError;
 pub use tangents::Tangents;
+pub use triangles::{MAX_TRIANGLES, Mesh, Vertex};
 
-/// Indexed triangles in world space; counter-clockwise seen from the side of the normal for the built-in shapes.
-#[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    /// Vertices.
-    pub vertices: Vec<Vertex>,
-    /// Vertex indices, all below `vertices.len()`; no triangle has zero area.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-/// One vertex.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vertex {
-    /// Position, world units.
-    pub position: DVec3,
-    /// Unit normal, world space.
-    pub normal: DVec3,
-    /// Texture coordinates in repeats of the map: u to the right, v up, (0, 0) the bottom-left corner.
-    pub uv: DVec2,
-    /// ∂p/∂u and ∂p/∂v in world units per repeat; both zero if a mesh has no texture coordinates.
-    ///
-    /// If a mesh mirrors its map, ∂p/∂u and ∂p/∂v are negated. S97's s_u = n × p_v and s_v = p_u × n then still run
-    /// against the true p_u and p_v, so that bumps stay bumps.
-    pub tangents: [DVec3; 2],
-}
-
-/// Most triangles of a file.
-pub const MAX_TRIANGLES: usize = 4_000_000;
 /// Largest file in bytes: 4 million triangles with normals and texture coordinates take about 500 MB.
 const MAX_BYTES: u64 = 1 << 29;
-
-/// Reason why a mesh cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[error("{place}: {message}; {remedy}")]
-pub struct MeshError {
-    /// The file, with the line from 1 if a line is wrong.
-    pub place: String,
-    /// The mistake.
-    pub message: String,
-    /// The way to mend it.
-    pub remedy: String,
-}
-
-impl MeshError {
-    fn new(path: &Path, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { place: path.display().to_string(), message: message.into(), remedy: remedy.into() }
-    }
-
-    /// An error in a line of a text, from 1.
-    fn in_line(path: &Path, line: usize, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { place: format!("{}:{line}", path.display()), ..Self::new(path, message, remedy) }
-    }
-
-    /// An error for a file or a number of triangles beyond the limit.
-    fn too_large(path: &Path, what: &str, limit: u64) -> Self {
-        Self::new(path, format!("{what} is more than {limit}"), "simplify the mesh")
-    }
-}
 
 /// Choices of the caller that a file does not contain.
 #[derive(Clone, Copy, Debug, Default)]
