@@ -31,7 +31,9 @@ pub fn file_kind(path: &Path) -> Result<FileKind, PictureError> {
     Ok(match Kind::from_head(&head) {
         Kind::Other("KTX2" | "DDS") => FileKind::Cube,
         Kind::Other("GLB (binary glTF)" | "JSON") => FileKind::Model,
-        Kind::Other("text" | "unknown" | "XML" | "HTML" | "ZIP" | "gzip" | "Blender" | "Git LFS pointer") => FileKind::Mesh,
+        Kind::Other("text" | "unknown" | "XML" | "HTML" | "ZIP" | "gzip" | "Blender" | "Git LFS pointer") => {
+            FileKind::Mesh
+        }
         _ => FileKind::Picture,
     })
 }

@@ -13,7 +13,8 @@ use glam::{DMat3, DMat4, DVec2, DVec3, Vec3};
 use gltf::mesh::Mode;
 
 use self::buffers::Buffers;
-use crate::mesh::{MAX_TRIANGLES, MeshError};
+use crate::mesh::error::MeshError;
+use crate::mesh::triangles::MAX_TRIANGLES;
 
 pub use self::materials::{Image, ModelMaterial, NormalTexture};
 

@@ -4,80 +4,30 @@
 //! tangents and cuts polygons into triangles.
 
 mod build;
+pub(crate) mod error;
 mod kind;
 mod model;
 mod obj;
 mod polygon;
 mod tangents;
+pub(crate) mod triangles;
 #[cfg(test)]
 mod tests;
 
 use std::io::Read as _;
 use std::path::Path;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use roughxel_utilities::input::open_file;
 
+use self::build::Polygons;
+pub use error::MeshError;
 pub use tangents::Tangents;
+pub use triangles::{MAX_TRIANGLES, Mesh, Vertex};
 
-/// Indexed triangles in world space; counter-clockwise seen from the side of the normal for the built-in shapes.
-#[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    /// Vertices.
-    pub vertices: Vec<Vertex>,
-    /// Vertex indices, all below `vertices.len()`; no triangle has zero area.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-/// One vertex.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vertex {
-    /// Position, world units.
-    pub position: DVec3,
-    /// Unit normal, world space.
-    pub normal: DVec3,
-    /// Texture coordinates in repeats of the map: u to the right, v up, (0, 0) the bottom-left corner.
-    pub uv: DVec2,
-    /// ∂p/∂u and ∂p/∂v in world units per repeat; both zero if a mesh has no texture coordinates.
-    ///
-    /// If a mesh mirrors its map, ∂p/∂u and ∂p/∂v are negated. S97's s_u = n × p_v and s_v = p_u × n then still run
-    /// against the true p_u and p_v, so that bumps stay bumps.
-    pub tangents: [DVec3; 2],
-}
-
-/// Most triangles of a file.
-pub const MAX_TRIANGLES: usize = 4_000_000;
 /// Largest file in bytes: 4 million triangles with normals and texture coordinates take about 500 MB.
 const MAX_BYTES: u64 = 1 << 29;
-
-/// Reason why a mesh cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[error("{place}: {message}; {remedy}")]
-pub struct MeshError {
-    /// The file, with the line from 1 if a line is wrong.
-    pub place: String,
-    /// The mistake.
-    pub message: String,
-    /// The way to mend it.
-    pub remedy: String,
-}
-
-impl MeshError {
-    pub(crate) fn new(path: &Path, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { place: path.display().to_string(), message: message.into(), remedy: remedy.into() }
-    }
-
-    /// An error in a line of a text, from 1.
-    fn in_line(path: &Path, line: usize, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { place: format!("{}:{line}", path.display()), ..Self::new(path, message, remedy) }
-    }
-
-    /// An error for a file or a number of triangles beyond the limit.
-    fn too_large(path: &Path, what: &str, limit: u64) -> Self {
-        Self::new(path, format!("{what} is more than {limit}"), "simplify the mesh")
-    }
-}
 
 /// Choices of the caller that a file does not contain.
 #[derive(Clone, Copy, Debug, Default)]
@@ -117,7 +67,9 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<ReadMesh, MeshErr
     let mut bytes = Vec::with_capacity(bytes_long as usize);
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     if kind::is_gltf(&bytes) {
-        return model::read(path, &bytes, options);
+        let model::ReadModel { polygons, without_uv, warnings } = model::polygons(path, &bytes, options.offset)?;
+        let read = finish(path, &polygons, without_uv, options.tangents)?;
+        return Ok(ReadMesh { warnings: [read.warnings, warnings].concat(), ..read });
     }
     if let Some(foreign) = kind::foreign(&bytes) {
         return Err(MeshError::new(path, format!("the file is {}", foreign.what), foreign.remedy));
@@ -128,8 +80,17 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<ReadMesh, MeshErr
 /// Reads OBJ text as [`read_mesh`] reads a file; `path` only names it. Errors: [`MeshError`].
 pub fn parse_obj(path: &Path, text: &str, options: &ReadOptions) -> Result<ReadMesh, MeshError> {
     let obj::ReadObj { polygons, without_uv } = obj::polygons(path, text, options.offset)?;
-    let built = build::build(&polygons, options.tangents)
+    finish(path, &polygons, without_uv.map(|line| format!("{}:{line}", path.display())), options.tangents)
+}
+
+/// Makes a mesh of polygons.
+fn finish(
+    path: &Path,
+    polygons: &Polygons,
+    without_uv: Option<String>,
+    tangents: Tangents,
+) -> Result<ReadMesh, MeshError> {
+    let built = build::build(polygons, tangents)
         .ok_or_else(|| MeshError::new(path, "has no face with an area", "export the mesh with polygons (`f` lines)"))?;
-    let without_uv = without_uv.map(|line| format!("{}:{line}", path.display()));
     Ok(ReadMesh { mesh: built.mesh, without_uv, warnings: built.warnings })
 }

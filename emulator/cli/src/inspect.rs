@@ -151,7 +151,9 @@ fn of_model(model: &Model, read: &ReadMesh) -> Findings {
     let mut findings = of_mesh(read);
     let [parts, materials, images] = [model.parts.len(), model.materials.len(), model.images.len()];
     findings.lines[0] = format!("glTF model, {}", findings.lines[0]);
-    findings.lines.insert(1, format!("{parts} parts, {materials} materials, {images} images; `roughxel import` makes a scene"));
+    findings
+        .lines
+        .insert(1, format!("{parts} parts, {materials} materials, {images} images; `roughxel import` makes a scene"));
     findings.json["kind"] = json!("glTF");
     findings.json["parts"] = json!(model.parts.iter().map(|part| &part.name).collect::<Vec<_>>());
     findings.json["materials"] = json!(materials);

@@ -101,7 +101,7 @@ impl Buffers {
                     && inside(values.view(), values.offset(), sparse.count(), accessor.size())
             });
             // An accessor without bytes would be as long as it says.
-            let backed = accessor.view().is_some() || accessor.count() <= crate::mesh::MAX_TRIANGLES;
+            let backed = accessor.view().is_some() || accessor.count() <= crate::mesh::triangles::MAX_TRIANGLES;
             if !(views && sparse && backed) {
                 return Err(format!("accessor {index} reaches beyond its buffer; the file is damaged"));
             }

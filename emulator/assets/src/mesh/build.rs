@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 
 use super::polygon::Cutter;
 use super::tangents::{Tangents, follow_mikktspace};
-use super::{Mesh, Vertex};
+use super::triangles::{Mesh, Vertex};
 
 /// Area of a triangle over the square of its longest edge, below which it is dropped: rounding of the area itself.
 const LEAST_RELATIVE_AREA: f64 = 1e-15;

@@ -9,7 +9,8 @@ use std::str::{Lines, SplitWhitespace};
 use glam::{DVec2, DVec3};
 
 use super::build::{Corner, Face, Polygons, Smoothing};
-use super::{MAX_TRIANGLES, MeshError};
+use super::error::MeshError;
+use super::triangles::MAX_TRIANGLES;
 use roughxel_utilities::input::without_mark;
 use roughxel_utilities::limits::MAX_COORDINATE;
 

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 use glam::DVec3;
 
-use super::Mesh;
+use super::triangles::{Mesh, Vertex};
 
 /// Directions that p_u and p_v of a mesh follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,7 +76,7 @@ impl Geometry<Portable> for Triangles<'_> {
 }
 
 impl Triangles<'_> {
-    fn vertex(&self, face: usize, corner: usize) -> &super::Vertex {
+    fn vertex(&self, face: usize, corner: usize) -> &Vertex {
         &self.mesh.vertices[self.mesh.triangles[face][corner] as usize]
     }
 }
@@ -107,7 +107,7 @@ pub(super) fn follow_mikktspace(mesh: &mut Mesh) {
             continue;
         }
         *index = *further.entry((*index, bits)).or_insert_with(|| {
-            mesh.vertices.push(super::Vertex { tangents, ..vertex });
+            mesh.vertices.push(Vertex { tangents, ..vertex });
             (mesh.vertices.len() - 1) as u32
         });
     }
