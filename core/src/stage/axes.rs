@@ -3,7 +3,8 @@
 //! λ₁² = ½(a + c + √((c − a)² + 4b²)) (W97 (16)); λ₂² = det/λ₁² (erratum 12). For r₁ = (cos α, −sin α) the direction belongs to λ₁ if c − a < 0
 //! (erratum 2), tan 2α = 2b/(c − a), |α| ≤ 45° (W97 (18)–(20)). It is found exactly by (h + |a − c|, 2b), the branch that does not cancel, or by a
 //! table of a few angles (erratum 18). Sign: the larger component is positive. At 45° downwards, where the two differ by roundings alone, the
-//! positive one may be smaller by 7 last places at most. A circle has direction (1, 0). Error of λ₁: 2^−(p−3), relative.
+//! positive one may be smaller by 7 last places at most. A circle has direction (1, 0). Error of λ₁ for a given K: 2^−(p−3), relative,
+//! in the named profiles. Shorter seeds or fewer steps of the inverse root than these have add its own error.
 
 use crate::block::{Block, MANTISSA, Mantissa, Number, PRODUCT, Product, normalise, number, places_below};
 use crate::each::each;
