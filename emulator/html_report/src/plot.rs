@@ -43,7 +43,7 @@ fn units_at([x, y]: [f64; 2]) -> (i32, i32) {
 }
 
 impl Plot {
-    /// The plot as a file of `size` (width and height in pixels) with its own paper, for a README.
+    /// The plot as a file of `size` (width and height in pixels) with its own paper, its title and its description.
     ///
     /// Below about 300 × 200 there is little room for data; no length is above 10000.
     pub fn svg(&self, size: [u32; 2]) -> String {
@@ -113,17 +113,17 @@ impl Plot {
             .margin_bottom(units(layout.size[1] - area.bottom))
             .build_cartesian_2d(x[0]..x[1], y[0]..y[1])?;
         for (index, (series, runs)) in self.series.iter().zip(&runs).enumerate() {
-            let ink = if series.dashed { Ink::SeriesDashed(index) } else { Ink::Series(index) };
-            let style = ink.code().stroke_width(units(1.75) as u32);
+            let style = line_ink(series, index).code().stroke_width(units(1.75) as u32);
             for run in runs.iter().filter(|run| series.style != Style::Points && run.len() > 1) {
                 chart.draw_series(LineSeries::new(run.iter().map(|[x, y]| (*x, *y)), style))?;
             }
         }
         self.draw_labels(canvas, layout, &runs)?;
-        // Data are drawn over labels, so that no label hides data.
-        for (index, runs) in runs.iter().enumerate() {
+        // Data are drawn over labels, so that no label hides data, and over context.
+        let (context, data): (Vec<usize>, Vec<usize>) = (0..runs.len()).partition(|index| self.series[*index].muted);
+        for (index, runs) in context.into_iter().chain(data).map(|index| (index, &runs[index])) {
             for point in self.marked(index, runs) {
-                draw_marker(canvas, index, layout.at(point))?;
+                draw_marker(canvas, &self.series[index], index, layout.at(point))?;
             }
         }
         if runs.iter().all(Vec::is_empty) {
@@ -143,7 +143,7 @@ impl Plot {
         }
         let step = (runs.iter().map(Vec::len).sum::<usize>() / 5).max(1);
         let first = step * index / self.series.len();
-        let several = self.series.len() > 1;
+        let several = self.series.len() > 1 && !self.series[index].muted;
         let lonely = runs.iter().filter(|run| run.len() == 1).flatten().copied();
         let few = all.skip(first).step_by(step).filter(|_| several);
         few.chain(lonely).collect()
@@ -183,12 +183,12 @@ impl Plot {
             let series = &self.series[*index];
             let middle = y + LINE / 2.0;
             if series.style != Style::Points {
-                let ink = if series.dashed { Ink::SeriesDashed(*index) } else { Ink::Series(*index) };
+                let ink = line_ink(series, *index);
                 let ends = [[*x, middle], [x + SAMPLE, middle]].map(units_at);
                 canvas.draw(&PathElement::new(ends, ink.code().stroke_width(units(1.75) as u32)))?;
             }
-            if series.style != Style::Line || self.series.len() > 1 {
-                draw_marker(canvas, *index, [x + SAMPLE / 2.0, middle])?;
+            if series.style != Style::Line || (self.series.len() > 1 && !series.muted) {
+                draw_marker(canvas, series, *index, [x + SAMPLE / 2.0, middle])?;
             }
             write(canvas, text, Ink::Text, [x + SAMPLE + 5.0, middle], HPos::Left, VPos::Center)?;
         }
@@ -244,11 +244,20 @@ fn write(canvas: &Canvas<'_>, text: &str, ink: Ink, at: [f64; 2], horizontal: HP
     canvas.draw(&Text::new(text, units_at(at), style))
 }
 
+fn line_ink(series: &Series, index: usize) -> Ink {
+    match (series.muted, series.dashed) {
+        (false, false) => Ink::Series(index),
+        (false, true) => Ink::SeriesDashed(index),
+        (true, false) => Ink::Soft,
+        (true, true) => Ink::SoftDashed,
+    }
+}
+
 /// The marker of a series at a place in pixels. With more than eight series, colours are shared and markers differ.
-fn draw_marker(canvas: &Canvas<'_>, index: usize, [x, y]: [f64; 2]) -> Drawn {
-    let filled = Ink::Series(index).code().filled();
-    let [line, outline] =
-        [Ink::Series(index), Ink::SeriesOpen(index)].map(|ink| ink.code().stroke_width(units(1.75) as u32));
+fn draw_marker(canvas: &Canvas<'_>, series: &Series, index: usize, [x, y]: [f64; 2]) -> Drawn {
+    let inks = if series.muted { [Ink::Soft, Ink::SoftOpen] } else { [Ink::Series(index), Ink::SeriesOpen(index)] };
+    let filled = inks[0].code().filled();
+    let [line, outline] = inks.map(|ink| ink.code().stroke_width(units(1.75) as u32));
     let whole = |corners: &[[f64; 2]]| {
         corners.iter().map(|[across, down]| units_at([x + across * RADIUS, y + down * RADIUS])).collect::<Vec<_>>()
     };

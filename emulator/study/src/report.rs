@@ -20,7 +20,7 @@ pub use tables::{markdown, profiles};
 pub use verdict::{BUYS_SOMETHING_DB, KnobGain, knob_gains};
 
 /// Width and height of a plot in its own file, pixels.
-const PLOT_SIZE: [u32; 2] = [640, 440];
+const PLOT_SIZE: [u32; 2] = [640, 480];
 
 /// The study as its file holds it.
 pub fn json(study: &Study) -> String {

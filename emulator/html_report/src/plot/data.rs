@@ -42,6 +42,8 @@ pub struct Series {
     pub style: Style,
     /// True for a dashed line.
     pub dashed: bool,
+    /// True for context: drawn in soft ink, and a line has no markers.
+    pub muted: bool,
     /// Points in the order of the line.
     pub points: Vec<Point>,
 }
@@ -66,7 +68,7 @@ pub struct Plot {
     pub x: Axis,
     /// Upward axis.
     pub y: Axis,
-    /// Series; each of up to eight has its own colour and marker.
+    /// Series; each of up to eight has its own marker, and its own colour unless it is muted.
     pub series: Vec<Series>,
     /// Vertical lines.
     pub marks: Vec<Mark>,

@@ -23,6 +23,8 @@ pub(super) enum Ink {
     SeriesDashed(usize),
     /// An outline whose inside hides the data below it.
     SeriesOpen(usize),
+    /// An outline of a muted series.
+    SoftOpen,
 }
 
 /// Colours of series, light and dark, distinct with each kind of colour blindness. They are those of Okabe and Ito, darker on
@@ -57,6 +59,7 @@ impl Ink {
             Ink::Series(series) => (6, series),
             Ink::SeriesDashed(series) => (7, series),
             Ink::SeriesOpen(series) => (8, series),
+            Ink::SoftOpen => (9, 0),
         };
         RGBColor(1, kind, (series % SERIES.len()) as u8)
     }
@@ -76,6 +79,7 @@ fn classes(code: &str) -> Option<String> {
         "06" => format!("s{series}"),
         "07" => format!("s{series} dash"),
         "08" => format!("s{series} open"),
+        "09" => "soft open".to_owned(),
         _ => return None,
     })
 }

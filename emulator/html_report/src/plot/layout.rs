@@ -28,7 +28,7 @@ pub(super) struct PlacedMark {
 /// Places of everything except the data, in pixels.
 pub(super) struct Layout {
     pub(super) size: [f64; 2],
-    /// True for a plot on its own paper with a title.
+    /// True for a plot on its own paper with title and description.
     pub(super) is_alone: bool,
     /// Area inside the axes.
     pub(super) inner: Area,
@@ -42,7 +42,8 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Layout from top to bottom: title, legend, the y axis' label with those of marks, data, ticks, the x axis' label.
+    /// Layout from top to bottom: title, legend, the y axis' label with those of marks, data, ticks, the x axis' label,
+    /// description.
     pub(super) fn new(plot: &Plot, size: [f64; 2], is_alone: bool) -> Self {
         let [width, height] = size;
         let edge = if is_alone { 8.0 } else { 2.0 };
@@ -86,6 +87,11 @@ impl Layout {
         layout.add_legend(plot, edge);
         let label = text::wrap(&plot.y.label, most);
         layout.add_marks(plot, edge, &label);
+        if is_alone {
+            let description = text::wrap(&plot.description, most);
+            layout.inner.bottom -= LINE * description.len() as f64 + 4.0;
+            layout.add_lines(&description, Ink::Text, [edge, layout.inner.bottom - 4.0], HPos::Left);
+        }
         let label = text::wrap(&plot.x.label, most);
         layout.inner.bottom -= edge + LINE * (1 + label.len()) as f64 + 8.0;
         let at = [layout.inner.right, layout.inner.bottom + LINE + 6.0];

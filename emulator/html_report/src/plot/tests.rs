@@ -6,7 +6,7 @@ fn axis(label: &str, scale: Scale) -> Axis {
 
 fn series(name: &str, style: Style, points: &[[f64; 2]]) -> Series {
     let points = points.iter().map(|[x, y]| Point { x: *x, y: *y, label: None }).collect();
-    Series { name: name.to_owned(), style, dashed: false, points }
+    Series { name: name.to_owned(), style, dashed: false, muted: false, points }
 }
 
 fn plot(scale: Scale, series: Vec<Series>) -> Plot {
@@ -33,8 +33,8 @@ fn no_text_becomes_markup() {
     (all.x.label, all.y.label) = (evil.to_owned(), evil.to_owned());
     let svg = all.svg([440, 340]);
     assert!(!svg.contains("<b>") && !svg.contains("& ") && !svg.contains('\u{0}') && !svg.contains('\u{1f}'));
-    // Title twice, the description and the mark in it, axes, name, label, mark.
-    assert_eq!(svg.matches("a &lt;b&gt; &amp; &quot;c&quot;").count(), 9);
+    // Title twice, the description twice and once the mark in it, axes, name, label, mark.
+    assert_eq!(svg.matches("a &lt;b&gt; &amp; &quot;c&quot;").count(), 10);
 }
 
 #[test]
@@ -117,6 +117,20 @@ fn every_point_is_in_the_table() {
     let (headings, rows) = two.table();
     assert_eq!(headings, ["", "distance", "error"]);
     assert_eq!(rows, [["a", "0", "1"], ["a", "1", "2"], ["b, fast", "1", "3"], ["b", "2", "4.5"]]);
+}
+
+#[test]
+fn context_is_drawn_in_soft_ink_and_its_lines_have_no_markers() {
+    let mut two = plot(
+        Scale::Linear,
+        vec![series("a", Style::Points, &[[0.0, 1.0]]), series("b", Style::Line, &[[0.0, 3.0], [1.0, 4.5]])],
+    );
+    two.series[1].dashed = true;
+    let squares = |plot: &Plot| plot.svg([440, 340]).matches("s1 open").count();
+    assert!(squares(&two) > 0);
+    two.series[1].muted = true;
+    assert_eq!(squares(&two), 0);
+    assert!(!two.svg([440, 340]).contains("class=\"s1"));
 }
 
 #[test]

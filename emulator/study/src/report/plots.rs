@@ -21,7 +21,7 @@ fn dot(x: f64, y: f64, label: Option<&str>) -> Dot {
 }
 
 fn series(name: &str, style: Style, points: Vec<Dot>) -> Series {
-    Series { name: name.into(), style, dashed: false, points }
+    Series { name: name.into(), style, dashed: false, muted: false, points }
 }
 
 /// The error of s and t that 99.9 % of random fragments stay below. The worst error is near a pole, where f32 has none.
@@ -44,69 +44,81 @@ fn front(dots: &[Dot], more_is_better: bool) -> Series {
             points.push(Dot { label: None, ..dot.clone() });
         }
     }
-    Series { name: "nothing beats these".into(), style: Style::Line, dashed: true, points }
+    Series { name: "nothing beats these".into(), style: Style::Line, dashed: true, muted: true, points }
 }
 
 /// Knobs of the datapath, one curve each; all others stand as points.
 const CURVES: [Knob; 2] = [Knob::FractionBits, Knob::Direction];
 
-/// The settings as series of dots: named profiles, knobs as curves, all other settings.
+/// The settings as series of dots: named profiles, knobs as curves, all other settings as context.
 fn settings(study: &Study, curves: &[Knob], dot_of: impl Fn(&Point) -> Option<(f64, f64)>) -> Vec<Series> {
-    let dots = |points: &mut dyn Iterator<Item = (Option<String>, &Point)>| -> Vec<Dot> {
-        points.filter_map(|(label, point)| dot_of(point).map(|(x, y)| Dot { x, y, label })).collect()
+    let dots = |points: &mut dyn Iterator<Item = (String, &Point)>| -> Vec<Dot> {
+        points.filter_map(|(label, point)| dot_of(point).map(|(x, y)| dot(x, y, Some(&label)))).collect()
     };
-    let mut all = vec![series(
-        "named profiles",
-        Style::Points,
-        dots(&mut named(study).map(|point| (Some(point.name.clone()), point))),
-    )];
+    let mut profiles = named(study).map(|point| (point.name.clone(), point));
+    let mut all = vec![series("named profiles", Style::Points, dots(&mut profiles))];
     for &knob in curves {
-        let points = curve(study, knob);
-        let last = points.len().saturating_sub(1);
-        // Labels on the ends of a curve show its direction.
-        let mut ends = points.into_iter().enumerate().map(|(index, (value, point))| {
-            ((index == 0 || index == last).then(|| knob.text(value).to_string()), point)
-        });
-        all.push(series(knob.name(), Style::LinePoints, dots(&mut ends)));
+        let mut values = curve(study, knob).into_iter().map(|(value, point)| (knob.text(value).to_string(), point));
+        all.push(series(knob.name(), Style::LinePoints, dots(&mut values)));
     }
-    let mut others = study.points.iter().filter_map(|point| {
-        let knob = point.knob.as_ref()?;
-        curves.iter().all(|curve| curve.name() != knob).then_some((None, point))
+    let others = study.points.iter().filter(|point| {
+        let knob = point.knob.as_ref();
+        knob.is_some_and(|knob| curves.iter().all(|curve| curve.name() != knob))
     });
-    all.push(series("every other knob", Style::Points, dots(&mut others)));
+    let mut others = others.map(|point| (point.name.replace('=', " "), point));
+    all.push(Series { muted: true, ..series("standard with one knob changed", Style::Points, dots(&mut others)) });
     all
 }
 
+/// Adds the front. Of the knobs, only points on the front keep their labels.
 fn with_front(mut all: Vec<Series>, more_is_better: bool) -> Vec<Series> {
     let dots: Vec<Dot> = all.iter().flat_map(|series| series.points.iter().cloned()).collect();
-    all.push(front(&dots, more_is_better));
+    let front = front(&dots, more_is_better);
+    let is_best = |dot: &Dot| front.points.iter().any(|best| [best.x, best.y] == [dot.x, dot.y]);
+    let of_knobs = all.iter_mut().filter(|series| series.muted || series.style == Style::LinePoints);
+    for dot in of_knobs.flat_map(|series| &mut series.points) {
+        dot.label = dot.label.take().filter(|_| is_best(dot));
+    }
+    all.push(front);
     all
 }
 
 /// Error of the datapath against the time of a fragment on the host.
 fn bits_on_host(study: &Study) -> Plot {
-    let mut all = settings(study, &CURVES, |point| Some((point.host.lanes.ratio, places(&point.stages)?)));
+    let mut all = settings(study, &[], |point| Some((point.host.lanes.ratio, places(&point.stages)?)));
+    all[0].name = "profiles, SIMD".into();
+    let scalar = named(study).filter_map(|point| {
+        // Ratios are to `standard` in SIMD, as everywhere here.
+        let base = study.points.iter().find(|point| point.name == "standard")?;
+        Some(dot(point.host.scalar.ns / base.host.lanes.ns, places(&point.stages)?, Some(&point.name)))
+    });
+    all.insert(1, series("profiles, scalar", Style::Points, scalar.collect()));
     let floats = study
         .floats
         .iter()
         .filter_map(|float| Some(dot(float.host.as_ref()?.ratio, places(&float.stages)?, Some(&float.name))));
-    all.push(series("floats", Style::Points, floats.collect()));
-    let scalar = named(study).filter_map(|point| {
-        // Ratios are to `standard` in lanes, as everywhere here.
-        let base = study.points.iter().find(|point| point.name == "standard")?;
-        Some(dot(point.host.scalar.ns / base.host.lanes.ns, places(&point.stages)?, Some(&point.name)))
-    });
-    all.push(series("named profiles, scalar", Style::Points, scalar.collect()));
+    all.insert(2, series("f32", Style::Points, floats.collect()));
     Plot {
-        title: "Host: error of a fragment against its time".into(),
-        description: "Error of s and t on the cube face that 99.9 % of the fragments stay below, against the time of the reflection of a fragment as a multiple of \
-                      standard in lanes: every setting of the knobs in lanes, the named profiles in the scalar reading, too, and f32."
-            .into(),
-        x: axis("time of a fragment ÷ standard in lanes", Scale::Log2),
-        y: axis("error of s, t, 99.9 % below (half faces)", Scale::Log2),
+        title: "Host: error and time of a fragment".into(),
+        description: bits_in_a_sentence(study).unwrap_or_default(),
+        x: axis("time of a fragment ÷ standard in SIMD (left is faster)", Scale::Log2),
+        y: axis("error of s, t that 99.9 % stay below, half faces (down is better)", Scale::Log2),
         series: with_front(all, false),
         marks: Vec::new(),
     }
+}
+
+/// The message of [`bits_on_host`], with its figures.
+fn bits_in_a_sentence(study: &Study) -> Option<String> {
+    let profile = |name: &str| named(study).find(|point| point.name == name);
+    let (narrow, precise) = (profile("narrow")?, profile("precise")?);
+    let gain = (places(&narrow.stages)? / places(&precise.stages)?).log2();
+    let time = precise.host.lanes.ratio / narrow.host.lanes.ratio;
+    let float = study.floats.iter().find(|float| float.name == "f32, batched")?.host.as_ref()?.ratio;
+    Some(format!(
+        "From narrow to precise the error shrinks by {gain:.0} bits, and a fragment takes {time:.1} times as long; batched f32 takes \
+         {float:.2} of the time of standard."
+    ))
 }
 
 /// PSNR of frames against the truth over their time, including modes and sample counts, for the scenes timed at every setting.
@@ -122,15 +134,28 @@ fn frames_on_host(study: &Study) -> Plot {
         let time = mean(timed.iter().filter_map(|scene| Some(mode.times.get(scene)?.ratio)))?;
         Some(dot(time, psnr(&mode.frames)?, Some(&mode.name)))
     });
-    all.push(series("without footprints", Style::Points, modes.collect()));
+    let modes: Vec<Dot> = modes.collect();
+    let standard = named(study).find(|point| point.name == "standard").and_then(|point| psnr(&point.frames));
+    let sampled: Vec<String> = modes
+        .iter()
+        .filter_map(|dot| {
+            let name = dot.label.as_ref().filter(|name| name.ends_with("samples"))?;
+            Some(format!("{name} {:.1} dB ({:.1} ×)", dot.y, dot.x))
+        })
+        .collect();
+    let message =
+        standard.map(|psnr| format!("Frames of standard reach {psnr:.1} dB (1 × the time), {}.", sampled.join(", ")));
+    // Other knobs change frames by less than the distance of two markers.
+    all.retain(|series| !series.muted);
+    all.push(series("no footprints", Style::Points, modes));
     Plot {
-        title: "Host: picture against the time of a frame".into(),
-        description: format!(
-            "PSNR of frames against {} samples a pixel, over their time as a multiple of standard: means of {scenes}.",
-            study.settings.samples_edge.pow(2)
+        title: "Host: footprints and more samples a pixel".into(),
+        description: message.unwrap_or_default(),
+        x: axis(&format!("time of a frame ÷ standard, mean of {scenes} (left is faster)"), Scale::Log2),
+        y: axis(
+            &format!("PSNR against {} samples a pixel, dB (up is better)", study.settings.samples_edge.pow(2)),
+            Scale::Linear,
         ),
-        x: axis(&format!("time of a frame ÷ standard, mean of {scenes}"), Scale::Log2),
-        y: axis("PSNR against the truth (dB)", Scale::Linear),
         series: with_front(all, true),
         marks: Vec::new(),
     }
