@@ -10,6 +10,7 @@ pub mod imports;
 pub mod integers;
 pub mod keys;
 pub mod one_pixel;
+pub mod performance;
 pub mod photographs;
 pub mod side_by_side;
 pub mod simulators;

@@ -7,6 +7,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use roughxel_host_tests::imports::workspace_root;
+use roughxel_host_tests::performance;
 
 /// Documents that a command writes: their words are those of the program.
 const GENERATED: [&str; 4] =
@@ -330,6 +331,27 @@ fn every_package_has_a_card_and_every_decision_stands_in_the_index() {
         for heading in ["# ", "## Context", "## Decision", "## Consequences"] {
             assert!(text.lines().any(|line| line.starts_with(heading)), "{path}: no heading {heading}");
         }
+    }
+}
+
+#[test]
+fn every_table_of_measured_figures_is_filled_by_a_command() {
+    let (page, results) = (text_of("docs/performance.md"), performance::read().expect("results are readable"));
+    for (name, section) in &results {
+        let filled = performance::filled(&page, name, section).expect("markers are there");
+        assert!(filled == page, "{name} differs from performance.json; run the binary performance with --fill");
+        assert!(section.rows.iter().all(|row| row.len() == section.columns.len()), "{name}: rows of one length");
+    }
+    let mut inside = None;
+    for line in page.lines() {
+        if let Some(marker) = line.strip_prefix("<!-- ").and_then(|line| line.strip_suffix(" -->")) {
+            let name = marker.split([':', ' ']).next_back().expect("a last word");
+            let is_end = marker.starts_with("end of ");
+            assert_eq!(inside, is_end.then_some(name), "{line}");
+            assert!(is_end || marker.starts_with("study: ") || results.contains_key(name), "{name}: no results");
+            inside = (!is_end).then_some(name);
+        }
+        assert!(inside.is_some() || !line.starts_with('|'), "a table without a command: {line}");
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Golden vectors: packed words and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
 //!
-//! [`export`] writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
+//! [`export`](export()) writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
 //! field and bit of a difference, [`Vector`] explains one word next to the float64 reference, [`Bench`] compares a device with a
 //! set in a simulator. A word ends in a check value that locates a single flipped bit in any field, including inputs, for which
 //! recomputation alone would show only the consequences.

@@ -62,15 +62,21 @@ fn the_page_of_commands_is_the_help_of_the_program() {
     assert!(fs::read_to_string(path).unwrap_or_default() == page, "docs/cli.md is stale, run `{command}`");
 }
 
-/// Lists the documents that show commands.
+/// Lists the documents that show commands: all but the page of commands, the changelog, and notes on old versions.
 fn documents() -> Vec<PathBuf> {
-    let folders =
-        ["", "docs", "docs/decisions", "emulator", "emulator/scenes", "emulator/firmware", "vectors", "vectors/hdl"];
-    let entries = folders.iter().flat_map(|folder| fs::read_dir(root().join(folder)).unwrap());
-    let paths = entries.map(|entry| entry.unwrap().path());
-    let is_text =
-        |path: &PathBuf| path.extension().is_some_and(|extension| extension == "md") && !path.ends_with("cli.md");
-    paths.filter(is_text).collect()
+    let (mut found, mut waiting) = (Vec::new(), vec![root()]);
+    while let Some(folder) = waiting.pop() {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if path.is_dir() {
+                let is_source = !name.starts_with('.') && !["target", "out", "findings"].contains(&&*name);
+                waiting.extend(is_source.then_some(path));
+            } else if name.ends_with(".md") && !["cli.md", "CHANGELOG.md"].contains(&&*name) {
+                found.push(path);
+            }
+        }
+    }
+    found
 }
 
 /// Lists the pieces of code of a document: lines of blocks, and text between backticks.
@@ -94,6 +100,7 @@ fn arguments<'a>(code: &'a str, commands: &[String], is_first_page: bool) -> Opt
     let line = [" #", " && ", " > ", " | "].iter().fold(line, |line, end| line.split(end).next().unwrap_or(line));
     let value = |word: &'a str| match word.trim_matches('\'') {
         "MODE" => "footprint",
+        "DESIGN" => "highlight",
         "K/N" => "1/2",
         "N" => "1",
         word => word,

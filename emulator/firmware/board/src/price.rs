@@ -19,17 +19,17 @@ const PLANS: [(&str, &str); 18] = [
     ("reflection+footprint+isotropic", "environment, footprint, isotropic roughness"),
     ("reflection+footprint+anisotropic", "environment, footprint, anisotropic roughness"),
     (ALL_EFFECTS, "reflection, all effects"),
-    ("small-code/reflection+bump+curvature+footprint+anisotropic", "the same with the feature `small-code`"),
+    ("small-code/reflection+bump+curvature+footprint+anisotropic", "reflection, all effects, with the feature `small-code`"),
     ("ports+bump+curvature+footprint+anisotropic", "reflection, all effects, with the outcome of every stage"),
     ("pixel", "pixel of an environment: one probe, colour"),
-    ("pixel+bump+curvature+footprint+anisotropic", "pixel, all effects: probes and colour, too"),
+    ("pixel+bump+curvature+footprint+anisotropic", "pixel, all effects: with probes and colour"),
     ("highlight", "highlight"),
     ("highlight+bump", "highlight, bump"),
     ("highlight+anisotropic", "highlight, anisotropic roughness"),
     ("highlight+bump+anisotropic", "highlight, all effects"),
     ("peak", "peak"),
     ("peak+horizon", "peak, horizon"),
-    ("texture", "footprint in a repeated map"),
+    ("texture", "footprint in a wrapped map"),
 ];
 
 /// Profiles with the bits that they keep, narrowest first.
@@ -39,12 +39,12 @@ const PROFILES: [(&str, f64); 5] =
 /// Work around a plan: its name in the output of the program, with a description.
 const AROUND: [(&str, &str); 7] = [
     ("probe", "a probe of an environment: its place and weight"),
-    ("colour", "the same with eight texels and their filter"),
+    ("colour", "a probe with its eight texels and their filter"),
     ("fragment", "set-up of a fragment on a scanline"),
-    ("textured", "the same with texture coordinates"),
+    ("textured", "set-up of a fragment with texture coordinates"),
     ("triangle", "set-up of a triangle"),
     ("float libm", "reflection, all effects, in f32 with libm"),
-    ("float micromath", "the same with micromath"),
+    ("float micromath", "reflection, all effects, in f32 with micromath"),
 ];
 
 /// Plans whose prices show whether the kept table is still that of the datapath.
@@ -209,7 +209,7 @@ fn tabulate(target: Target, profiles: &[&str], progress: &ProgressBar, text: &mu
         let shown = name.trim_start_matches("stage ").replacen(' ', ": ", 1);
         write(text, format!("| {shown} | {} |", cells.collect::<Vec<_>>().join(" | ")));
     }
-    heading(text, "around it: instructions");
+    heading(text, "around the datapath: instructions");
     for (name, what) in AROUND {
         let cells = profiles.iter().map(|profile| stages[profile].get(name).map_or("–".into(), u64::to_string));
         write(text, format!("| {what} | {} |", cells.collect::<Vec<_>>().join(" | ")));
