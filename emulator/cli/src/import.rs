@@ -4,13 +4,12 @@ mod maps;
 mod text;
 
 use std::fmt::Write as _;
-use std::fs;
 use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use roughxel_assets::gltf::{Part, read_model};
-use roughxel_utilities::output::{WriteError, write_files};
+use roughxel_utilities::output::write_files;
 
 use super::console::complain;
 use super::{Failure, check_file, file_stem, write_text};
@@ -108,11 +107,4 @@ fn obj(part: &Part) -> String {
         text.push('\n');
     }
     text
-}
-
-/// Writes a file below `folder`, which is made.
-fn write_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), WriteError> {
-    let path = folder.join(name);
-    fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.into(), source })?;
-    write_files(folder, [(name, bytes)]).map_err(|error| WriteError { path, ..error })
 }

@@ -1,12 +1,15 @@
 //! Materials of a model as the keys and maps of a scene.
 
+use std::fs;
 use std::path::Path;
 
 use roughxel_assets::Picture;
 use roughxel_assets::gltf::{Model, ModelMaterial};
 use roughxel_assets::picture::{PictureError, Purpose, Samples, Wishes, encode_png, linear_to_srgb8, read};
 
-use super::{Failure, write_bytes};
+use roughxel_utilities::output::{WriteError, write_files};
+
+use crate::failure::Failure;
 
 /// Share that a dielectric reflects at normal incidence (glTF 2.0 §B.2: an index of refraction of 1.5).
 const DIELECTRIC: f64 = 0.04;
@@ -191,6 +194,12 @@ fn write_scaled_normals(folder: &Path, number: &str, normals: &Texture, scale: f
         codes.extend(normal.to_array().map(|part| (part * 127.0 + 128.0).round() as u8));
     });
     write_map(folder, &format!("normal_{number}.png"), size, Samples::Rgb8(&codes))
+}
+
+/// Writes a file below `folder`, which is made.
+fn write_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), WriteError> {
+    fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.into(), source })?;
+    write_files(folder, [(name, bytes)])
 }
 
 fn write_map(folder: &Path, name: &str, size: [u32; 2], samples: Samples<'_>) -> Result<String, Failure> {

@@ -9,6 +9,7 @@ use roughxel_core::precision::Profile;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_scene::Scene;
+use roughxel_study::profile_file::NamedPrecision;
 use serde_json::json;
 
 use super::super::failure::{Failure, scene_failure};
@@ -56,7 +57,7 @@ pub(super) fn of_mesh(path: &Path, mesh: &Mesh) -> Result<Picture, Failure> {
         json!(path.to_string_lossy()),
     );
     let scene = Scene::from_toml("thumbnail", &text, Path::new("")).map_err(scene_failure)?;
-    let prepared = Prepared::new(&scene, Mode::Footprint, &Profile::Standard.into())?;
+    let prepared = Prepared::new(&scene, Mode::Footprint, &NamedPrecision::from(Profile::Standard).precision)?;
     let frame = prepared.render(&|| ())?;
     Ok(frame.picture())
 }
