@@ -1,5 +1,6 @@
 //! Picture tests: pictures against their truth, golden frames, pyramids of peaks, plans.
 
+mod as_files_mean;
 mod frames;
 mod lobes;
 mod meshes;
