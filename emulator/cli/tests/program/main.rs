@@ -1,5 +1,6 @@
 //! The program as its users see it, and the files that it writes.
 
+mod assets;
 mod choose;
 mod cli;
 mod committed;

@@ -1,0 +1,162 @@
+//! `roughxel import` and `roughxel inspect`: assets as people bring them.
+
+use std::fs;
+use std::path::Path;
+
+use roughxel_assets::picture::{Picture, Purpose, Samples, Wishes, encode_png, read};
+use serde_json::{Value, json};
+
+use super::fixture::{Folder, roughxel};
+
+/// An 8-bit PNG of one colour, 2×2 pixels.
+fn png(colour: [u8; 3]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, [2, 2], Samples::Rgb8(&colour.repeat(4))).unwrap();
+    bytes
+}
+
+fn floats(all: impl IntoIterator<Item = f32>) -> Vec<u8> {
+    all.into_iter().flat_map(f32::to_le_bytes).collect()
+}
+
+/// A GLB (glTF 2.0 §4) of a square of 2 units that faces +z, with its three textures: base colour, roughness and metallic, normals.
+fn model(material: Value) -> Vec<u8> {
+    let mut chunk = floats([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]].concat());
+    chunk.extend(floats([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].concat()));
+    chunk.extend([0u16, 1, 2, 0, 2, 3].into_iter().flat_map(u16::to_le_bytes));
+    let mut views = vec![
+        json!({ "buffer": 0, "byteOffset": 0, "byteLength": 48 }),
+        json!({ "buffer": 0, "byteOffset": 48, "byteLength": 32 }),
+        json!({ "buffer": 0, "byteOffset": 80, "byteLength": 12 }),
+    ];
+    let mut images = Vec::new();
+    for colour in [[255, 128, 0], [0, 128, 255], [128, 128, 255]] {
+        let bytes = png(colour);
+        views.push(json!({ "buffer": 0, "byteOffset": chunk.len(), "byteLength": bytes.len() }));
+        images.push(json!({ "bufferView": views.len() - 1, "mimeType": "image/png" }));
+        chunk.extend(bytes);
+        chunk.resize(chunk.len().next_multiple_of(4), 0);
+    }
+    let accessor = |view: usize, kind: &str, component: u32, count: usize| json!({ "bufferView": view, "type": kind, "componentType": component, "count": count });
+    let mut positions = accessor(0, "VEC3", 5126, 4);
+    positions["min"] = json!([-1, -1, 0]);
+    positions["max"] = json!([1, 1, 0]);
+    let json = json!({
+        "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0, "name": "Left wing" }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "indices": 2, "material": 0 }] }],
+        "materials": [material],
+        "textures": [{ "source": 0 }, { "source": 1 }, { "source": 2 }],
+        "images": images, "buffers": [{ "byteLength": chunk.len() }], "bufferViews": views,
+        "accessors": [positions, accessor(1, "VEC2", 5126, 4), accessor(2, "SCALAR", 5123, 6)],
+        "animations": [],
+    });
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend((28 + text.len() as u32 + chunk.len() as u32).to_le_bytes());
+    for (kind, content) in [(b"JSON", text), (b"BIN\0", chunk)] {
+        bytes.extend((content.len() as u32).to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(content);
+    }
+    bytes
+}
+
+fn material() -> Value {
+    json!({
+        "pbrMetallicRoughness": {
+            "baseColorTexture": { "index": 0 }, "metallicRoughnessTexture": { "index": 1 },
+            "metallicFactor": 0.5, "roughnessFactor": 0.6,
+        },
+        "normalTexture": { "index": 2 },
+    })
+}
+
+fn picture(path: &Path, purpose: Purpose) -> Picture {
+    read(path, purpose, &Wishes::default()).unwrap().picture
+}
+
+#[test]
+fn a_gltf_model_becomes_a_scene_with_the_values_of_its_material() {
+    let folder = Folder::new();
+    let (glb, scene, picture_path) = (folder.join("wing.glb"), folder.join("wing.toml"), folder.join("wing.png"));
+    fs::write(&glb, model(material())).unwrap();
+    let [glb, scene, drawn] = [&glb, &scene, &picture_path].map(|path| path.to_str().unwrap());
+    let run = roughxel(&["import", glb, "-o", scene]).ends(0);
+    run.prints(&["1 objects, 2 triangles", "roughxel render"]);
+    let text = fs::read_to_string(scene).unwrap();
+    let toml = text.parse::<toml::Table>().unwrap();
+    let object = &toml["object"][0];
+    assert_eq!(object["name"].as_str(), Some("Left wing"));
+    // Base colour: red 1, green 0.2159 (sRGB 128), blue 0. Half of it is metal.
+    let reflectance: Vec<f64> =
+        object["material"]["reflectance"].as_array().unwrap().iter().map(|value| value.as_float().unwrap()).collect();
+    let base = [1.0, 0.215_861, 0.0];
+    for (got, base) in reflectance.iter().zip(base) {
+        assert!((got - (0.02 + 0.5 * base)).abs() < 1e-5, "{text}");
+    }
+    let maps = folder.join("wing");
+    let colour = picture(&maps.join("colour_0.png"), Purpose::Colours).pixel(1, 1);
+    for ((got, base), reflectance) in colour.iter().zip(base).zip(&reflectance) {
+        // An 8-bit code is within 1 % of the light there.
+        let right = (0.5 * base / (1.0 - reflectance)).min(1.0);
+        assert!((f64::from(*got) - right).abs() < 0.01, "{colour:?}");
+    }
+    // Roughness 0.6 · 128/255, squared, over √2.
+    let deviation = object["material"]["roughness_map"]["deviation"].as_float().unwrap();
+    let share = picture(&maps.join("roughness_0.png"), Purpose::Data).pixel(0, 0)[0];
+    let right = (0.6f64 * 128.0 / 255.0).powi(2) / 2f64.sqrt();
+    assert!((deviation * f64::from(share) - right).abs() < 1e-4, "{deviation} {share}");
+    roughxel(&["render", scene, "-o", drawn, "--size", "32x32"]).ends(0);
+    // The square fills the middle and nothing else; seen from the front its reflection is no background.
+    let frame = picture(&picture_path, Purpose::Colours);
+    assert_ne!(frame.pixel(16, 16), frame.pixel(0, 16));
+}
+
+#[test]
+fn files_of_an_import_are_named_and_mistakes_end_with_their_codes() {
+    let folder = Folder::new();
+    let (glb, scene) = (folder.join("a.glb"), folder.join("a.toml"));
+    let [glb_text, scene_text] = [&glb, &scene].map(|path| path.to_str().unwrap());
+    roughxel(&["import", glb_text, "-o", scene_text]).ends(1).complains(&["a.glb", "check the path"]);
+    fs::write(&glb, b"glTF\x02\0\0\0").unwrap();
+    roughxel(&["import", glb_text, "-o", scene_text]).ends(1).complains(&["a.glb", "export it again as glTF 2.0"]);
+    fs::write(&glb, model(material())).unwrap();
+    roughxel(&["import", glb_text, "-o", "x.png"]).ends(2).complains(&["end the name in .toml"]);
+    assert!(!scene.exists() && !folder.join("a").exists());
+    let mut transparent = material();
+    transparent["alphaMode"] = json!("BLEND");
+    transparent["normalTexture"]["scale"] = json!(2);
+    fs::write(&glb, model(transparent)).unwrap();
+    roughxel(&["import", glb_text, "-o", scene_text])
+        .ends(0)
+        .complains(&["transparency is not drawn", "one reflectance"]);
+    // The flat normal stays flat under a scale.
+    let normals = picture(&folder.join("a").join("normal_0.png"), Purpose::Data);
+    assert_eq!(normals.pixel(0, 0).map(|value| (value * 255.0).round() as u8), [128, 128, 255]);
+}
+
+#[test]
+fn inspect_says_what_a_file_is_and_shows_it() {
+    let folder = Folder::new();
+    let thumbnail = folder.join("thumbnail.png");
+    let shown = thumbnail.to_str().unwrap();
+    let files = [
+        ("a.png", png([10, 20, 30]), "PNG, 2×2", "PNG"),
+        ("b.glb", model(material()), "glTF model, mesh of 2 triangles", "glTF"),
+        ("c.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "no texture coordinates", "mesh"),
+    ];
+    for (name, bytes, line, kind) in files {
+        let path = folder.join(name);
+        fs::write(&path, bytes).unwrap();
+        let path = path.to_str().unwrap();
+        roughxel(&["inspect", path, "-o", shown]).ends(0).prints(&[name, line]);
+        let size = picture(&thumbnail, Purpose::Colours);
+        assert!(size.width.max(size.height) <= 512, "{name}");
+        assert_eq!(roughxel(&["inspect", path, "--json"]).json()["kind"], kind);
+    }
+    let path = folder.join("d.png");
+    fs::write(&path, b"ply\nformat ascii 1.0\n").unwrap();
+    roughxel(&["inspect", path.to_str().unwrap()]).ends(1).complains(&["PLY"]);
+}
