@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use roughxel_assets::picture::{Envmap, MAX_PIXELS, Picture, Purpose};
+use roughxel_assets::picture::{Envmap, MAX_PIXELS, Picture, PictureFile, Purpose};
 use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 use toml::Spanned;
 
@@ -33,7 +33,7 @@ impl Maps<'_> {
             (None, None, Some(named), None) => self.cube(&arguments, named)?,
             (None, None, None, Some((paths, span))) => {
                 let orientation = arguments.word("orientation", &ORIENTATIONS)?.unwrap_or(Orientation::Outside);
-                let faces = self.six_faces(paths, span)?;
+                let faces = self.six_faces(&arguments, paths, span)?;
                 self.oriented(faces, orientation)
             }
             _ => {
@@ -63,7 +63,7 @@ impl Maps<'_> {
             longitudes: longitudes.unwrap_or(Extent::SPHERE.longitudes),
             latitudes: latitudes.unwrap_or(Extent::SPHERE.latitudes),
         };
-        let (picture, envmap) = self.read_light(path, span.clone())?;
+        let (picture, envmap) = self.read_light(arguments, (path, span.clone()))?;
         let size = format!("{}×{}", picture.width, picture.height);
         if envmap == Some(Envmap::Cube) && latitudes.is_none() {
             let message = format!("`{path}` says that it holds the six faces of a cube (`envmap`)");
@@ -97,7 +97,7 @@ impl Maps<'_> {
     ) -> Result<[Picture; 6], SceneError> {
         let layout = arguments.word("layout", &LAYOUTS)?;
         let orientation = arguments.word("orientation", &ORIENTATIONS)?;
-        let (picture, envmap) = self.read_light(path, span.clone())?;
+        let (picture, envmap) = self.read_light(arguments, (path, span.clone()))?;
         let by_file = (envmap == Some(Envmap::Cube)).then_some(Layout::OpenExr);
         let error = |message: String, help: String| {
             let message = format!("`{path}` has {}×{} pixels, {message}", picture.width, picture.height);
@@ -141,13 +141,23 @@ impl Maps<'_> {
     }
 
     /// A picture of light, and its projection if the file names one.
-    fn read_light(&mut self, path: &str, span: Range<usize>) -> Result<(Picture, Option<Envmap>), SceneError> {
-        let picture = self.read_picture("environment", path, span, Purpose::Environment)?;
-        Ok((picture, self.pictures.last().and_then(|read| read.statement.envmap)))
+    fn read_light(
+        &mut self,
+        arguments: &Arguments<'_>,
+        named: (&str, Range<usize>),
+    ) -> Result<(Picture, Option<Envmap>), SceneError> {
+        let PictureFile { picture, statement } =
+            self.read_picture("environment", arguments, named, Purpose::Environment)?;
+        Ok((picture, statement.envmap))
     }
 
     /// The pictures of six files.
-    fn six_faces(&mut self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
+    fn six_faces(
+        &mut self,
+        arguments: &Arguments<'_>,
+        paths: &[String],
+        span: Range<usize>,
+    ) -> Result<[Picture; 6], SceneError> {
         let source = self.source;
         let wrong_count = |_| {
             let message = format!("`faces` names {} files", paths.len());
@@ -155,7 +165,7 @@ impl Maps<'_> {
         };
         let mut faces = Vec::new();
         for path in <&[String; 6]>::try_from(paths).map_err(|_| wrong_count(()))? {
-            let face = self.read_picture("environment", path, span.clone(), Purpose::Environment)?;
+            let face = self.read_light(arguments, (path, span.clone()))?.0;
             let edge = faces.first().map_or(face.width, |first: &Picture| first.width);
             if face.width != face.height || face.width != edge || edge > MAX_FACE_EDGE {
                 let message = format!("the face `{path}` has {}×{} pixels", face.width, face.height);

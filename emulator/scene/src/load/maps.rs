@@ -18,7 +18,7 @@ use crate::lighting::PEAK_HEIGHTS;
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
 use crate::scene::PictureUse;
 use crate::source::{ArgumentTable, Arguments, Source};
-use roughxel_assets::picture::{self, Picture, Purpose, Wishes};
+use roughxel_assets::picture::{self, ColourSpace, Picture, PictureFile, Purpose, Statement, Transfer, Window, Wishes};
 
 /// Reads the maps of one scene; a map that is named more than once is made once.
 pub(super) struct Maps<'a> {
@@ -49,26 +49,23 @@ impl<'a> Maps<'a> {
 }
 
 impl Maps<'_> {
-    /// Reads the picture `path` of a table; `used_as` names its use in the scene.
+    /// Reads the picture `path` that `arguments` name, by their wishes; `used_as` names its use in the scene.
     pub(super) fn read_picture(
         &mut self,
         used_as: &str,
-        path: &str,
-        span: Range<usize>,
+        arguments: &Arguments<'_>,
+        (path, span): (&str, Range<usize>),
         purpose: Purpose,
-    ) -> Result<Picture, SceneError> {
-        let read = picture::read(&self.resolve(path), purpose, &Wishes::default()).map_err(|error| {
+    ) -> Result<PictureFile, SceneError> {
+        let read = picture::read(&self.resolve(path), purpose, &wishes(arguments, purpose)?).map_err(|error| {
             let missing = error.is_missing();
             let remedy = if missing { "paths are relative to the scene file".to_owned() } else { error.remedy };
             self.source.value_error(span, error.message, remedy)
         })?;
         self.warnings.extend(read.statement.warnings.iter().map(|warning| format!("{used_as}: {warning}")));
-        self.pictures.push(PictureUse {
-            used_as: used_as.to_owned(),
-            path: path.to_owned(),
-            statement: read.statement,
-        });
-        Ok(read.picture)
+        let (used_as, path) = (used_as.to_owned(), path.to_owned());
+        self.pictures.push(PictureUse { used_as, path, statement: read.statement.clone() });
+        Ok(read)
     }
 
     /// A path, relative to the scene file.
@@ -83,10 +80,13 @@ impl Maps<'_> {
         arguments: &Arguments<'_>,
         generators: &Generators<Picture>,
         purpose: Purpose,
-    ) -> Result<Picture, SceneError> {
+    ) -> Result<PictureFile, SceneError> {
         let picture = match (arguments.text("path")?, arguments.text("generate")?) {
-            (Some((path, span)), None) => self.read_picture(used_as, path, span, purpose)?,
-            (None, Some(named)) => generators.make(arguments, named, self.progress)?,
+            (Some(named), None) => self.read_picture(used_as, arguments, named, purpose)?,
+            (None, Some(named)) => {
+                let picture = generators.make(arguments, named, self.progress)?;
+                PictureFile { picture, statement: Statement::default() }
+            }
             _ => {
                 return Err(arguments.error("the map is not clear", "give exactly one of `path` and `generate`"));
             }
@@ -107,7 +107,7 @@ impl Maps<'_> {
             return Ok(Arc::clone(known));
         }
         let used_as = format!("{name}: colour map");
-        let picture = Arc::new(self.picture(&used_as, &arguments, &COLOUR_MAPS, Purpose::Colours)?);
+        let picture = Arc::new(self.picture(&used_as, &arguments, &COLOUR_MAPS, Purpose::Colours)?.picture);
         self.warnings.extend(light::cut_colour(&used_as, &picture));
         self.colour_maps.insert(key, Arc::clone(&picture));
         Ok(picture)
@@ -139,7 +139,8 @@ impl Maps<'_> {
             let scale = height_scale(&arguments, frame)?;
             let wraps = arguments.flag("wrap", true)?.is_none_or(|(wraps, _)| wraps);
             let edges = if wraps { Edges::Wrapped } else { Edges::Open };
-            let heights = self.picture(&format!("{name}: height map"), &arguments, &HEIGHT_MAPS, Purpose::Heights)?;
+            let used_as = format!("{name}: height map");
+            let heights = self.picture(&used_as, &arguments, &HEIGHT_MAPS, Purpose::Heights)?.picture;
             if with_heights {
                 BumpField::with_heights(&heights, scale, frame, edges)
             } else {
@@ -157,7 +158,12 @@ impl Maps<'_> {
                 return Err(arguments.error_at(span, "`wrap` belongs to a height map", help));
             }
             let used_as = format!("{name}: normal map");
-            BumpField::from_normals(&self.picture(&used_as, &arguments, &NORMAL_MAPS, Purpose::Normals)?, green)
+            let normals = self.picture(&used_as, &arguments, &NORMAL_MAPS, Purpose::Normals)?;
+            if normals.statement.signed == Some(true) {
+                BumpField::from_signed_normals(&normals.picture, green)
+            } else {
+                BumpField::from_normals(&normals.picture, green)
+            }
         };
         if clamped > 0 {
             self.warnings.push(format!(
@@ -234,9 +240,26 @@ impl Maps<'_> {
         let words = [("isotropic", RoughnessChannels::Isotropic), ("anisotropic", RoughnessChannels::Anisotropic)];
         let channels = arguments.word("channels", &words)?.unwrap_or(RoughnessChannels::Isotropic);
         // The grey of a height map serves for a deviation as well as for a height.
-        let picture = self.picture(&format!("{name}: roughness map"), arguments, &HEIGHT_MAPS, Purpose::Data)?;
+        let picture = self.picture(&format!("{name}: roughness map"), arguments, &HEIGHT_MAPS, Purpose::Data)?.picture;
         Ok(RoughnessField::from_picture(&picture, channels, deviation))
     }
+}
+
+/// Keys of a table with a picture file that decide against the words of the file.
+fn wishes(arguments: &Arguments<'_>, purpose: Purpose) -> Result<Wishes, SceneError> {
+    let mut wishes = Wishes {
+        layer: arguments.text("layer")?.map(|(layer, _)| layer.to_owned()),
+        window: arguments.word("window", &Window::WORDS)?,
+        ..Wishes::default()
+    };
+    if purpose.is_light() {
+        wishes.colour_space = arguments.word("colour_space", &ColourSpace::WORDS)?;
+        wishes.transfer = arguments.word("transfer", &Transfer::WORDS)?;
+    }
+    if purpose == Purpose::Normals {
+        wishes.signed = arguments.flag("signed", "–")?.map(|(signed, _)| signed);
+    }
+    Ok(wishes)
 }
 
 /// `scale` or `rms_slope` of a height map.
@@ -253,3 +276,6 @@ fn height_scale(arguments: &Arguments<'_>, frame: FrameSystem) -> Result<HeightS
         (Some(_), Some(_)) => Err(arguments.error("the height is given twice", "keep one of `scale` and `rms_slope`")),
     }
 }
+
+#[cfg(test)]
+mod tests;
