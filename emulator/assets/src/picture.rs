@@ -6,16 +6,26 @@
 //! memory is taken. sRGB uses the exact piecewise curve by correctly rounded operations only, so the pixels are the same bits on every machine. A
 //! file is written next to its name and renamed when complete.
 
+mod codes;
 mod colour;
 mod compare;
 mod cube_file;
+mod exr_choice;
 mod exr_file;
+mod exr_words;
 mod hdr_file;
+mod icc;
+mod jpeg_file;
 mod kind;
+mod normals;
+mod orientation;
 mod png_file;
+mod png_words;
 mod read;
 mod srgb;
 mod statement;
+mod tiff_file;
+mod webp_file;
 #[cfg(test)]
 mod tests;
 
@@ -130,6 +140,18 @@ fn check_size(path: &Path, width: u64, height: u64) -> Result<(u32, u32), Pictur
             "scale it down",
         )),
     }
+}
+
+/// Refuses pixels that are not finite or missing (NaN).
+fn check_finite(path: &Path, pixels: &[[f32; 3]], width: u32) -> Result<(), PictureError> {
+    for (index, pixel) in pixels.iter().enumerate() {
+        if let Some(value) = pixel.iter().find(|value| !value.is_finite()) {
+            let (path, x, y) = (path.display(), index % width as usize, index / width as usize);
+            let message = format!("`{path}` has the value {value} at pixel ({x}, {y}), counted from the top left");
+            return Err(PictureError::new(message, "clamp it to finite values"));
+        }
+    }
+    Ok(())
 }
 
 /// Pixels between two pictures in a row of [`beside`].

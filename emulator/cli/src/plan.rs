@@ -6,6 +6,7 @@ use clap::Args;
 use comfy_table::{ContentArrangement, Table};
 use roughxel_frame::plan::Mode;
 use roughxel_frame::{Frame, Prepared};
+use roughxel_scene::PictureUse;
 use roughxel_shader::{Effect, ObjectPlan};
 use roughxel_study::plan::{EffectReport, Hardware, ObjectReport, explain, measure};
 use roughxel_study::profile_file::NamedPrecision;
@@ -91,6 +92,12 @@ pub(super) fn run(args: &PlanArgs) -> Result<(), Failure> {
     for report in &reports {
         writeln!(out, "{}: {}", report.name, summary(&report.plan))?;
         writeln!(out, "{}", table(report, args.measure))?;
+    }
+    for PictureUse { used_as, path, statement } in &scene.pictures {
+        writeln!(out, "{used_as}: {path}: {statement}")?;
+        for sentence in statement.notes.iter().chain(&statement.ignored) {
+            writeln!(out, "  {sentence}")?;
+        }
     }
     let [frame, maps] = [frame_bytes, map_bytes].map(indicatif::HumanBytes);
     let size = format!("{}x{}", scene.camera.width, scene.camera.height);

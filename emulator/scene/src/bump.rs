@@ -101,7 +101,15 @@ impl BumpField {
 
     /// Offsets of a tangent-space normal map, and how many were clamped. Red is +u, green as `green` says, blue outwards.
     pub fn from_normals(normals: &Picture, green: Green) -> (Self, usize) {
-        let signed = signed_decoder(normals);
+        Self::from_decoded_normals(normals, green, signed_decoder(normals))
+    }
+
+    /// Makes a field as [`BumpField::from_normals`] does, of components from −1 to 1.
+    pub fn from_signed_normals(normals: &Picture, green: Green) -> (Self, usize) {
+        Self::from_decoded_normals(normals, green, |component| component)
+    }
+
+    fn from_decoded_normals(normals: &Picture, green: Green, signed: impl Fn(f32) -> f32) -> (Self, usize) {
         let (width, height) = (normals.width as usize, normals.height as usize);
         let offsets = (0..height).rev().flat_map(|row| &normals.pixels[row * width..(row + 1) * width]).map(|pixel| {
             let [x, y, z] = pixel.map(&signed);

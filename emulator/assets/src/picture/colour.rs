@@ -251,7 +251,7 @@ impl ColourWords {
     pub(super) fn decide(self, purpose: Purpose, wishes: &Wishes, statement: &mut Statement) -> Colours {
         if !purpose.is_light() {
             for (said, what) in [
-                (self.space.map(|(said, _)| said), "colour space"),
+                (self.space.filter(|(_, own)| !own.is_near(&REC_709)).map(|(said, _)| said), "colour space"),
                 (
                     self.transfer.filter(|(_, said)| *said != Transfer::Linear).map(|(said, _)| said),
                     "transfer function",
@@ -287,6 +287,16 @@ impl ColourWords {
 }
 
 impl Colours {
+    /// Undoes the transfer function of floats, and converts.
+    pub(super) fn decode_floats(&self, pixels: &mut [[f32; 3]]) {
+        if self.transfer != Transfer::Linear {
+            for channel in pixels.iter_mut().flatten() {
+                *channel = self.transfer.decode(f64::from(*channel)) as f32;
+            }
+        }
+        self.convert(pixels);
+    }
+
     /// Converts linear light to Rec. 709.
     pub(super) fn convert(&self, pixels: &mut [[f32; 3]]) {
         let Some(matrix) = self.matrix else { return };

@@ -8,8 +8,8 @@ use std::path::Path;
 
 use exr::prelude::f16;
 
+use super::codes::decode_table;
 use super::colour::{ColourWords, Transfer};
-use super::png_file::decode_table;
 use super::statement::{Purpose, Statement, Wishes};
 use super::{Picture, PictureError, open};
 

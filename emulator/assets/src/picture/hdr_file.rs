@@ -6,8 +6,9 @@
 use std::io::{BufRead, Read};
 use std::path::Path;
 
-use super::colour::{ColourWords, Transfer};
-use super::statement::{PictureFile, Purpose, Statement, Wishes};
+use super::colour::{ColourSpace, ColourWords, Primaries, Transfer};
+use super::read::Decoded;
+use super::statement::{Purpose, Statement, Wishes};
 use super::{Picture, PictureError, check_size};
 
 /// Most bytes of a header.
@@ -15,34 +16,88 @@ const MAX_HEADER_BYTES: u64 = 1 << 16;
 /// Widths whose lines may have runs of the new kind.
 const NEW_RUNS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
-/// Reads a Radiance picture: linear light in any units, `mantissa · 2^(exponent − 136)`. `EXPOSURE` and other variables of the header
-/// are ignored.
+/// Reads a Radiance picture: linear light in any units, `mantissa · 2^(exponent − 136)`, in any of the eight orders of its pixels.
+///
+/// `FORMAT` and `PRIMARIES` decide the colour space. `EXPOSURE` and `COLORCORR` say what the pixels were multiplied by; they are not undone.
 ///
 /// # Errors
-/// A file that cannot be opened, is no Radiance picture, is truncated or damaged; CIE colours (XYZE); rows that do not run from left
-/// to right and from top to bottom; a picture larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS).
+/// A file that is truncated or damaged; a picture larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS).
 pub(super) fn read(
     path: &Path,
     mut reader: impl BufRead,
     purpose: Purpose,
     wishes: &Wishes,
-) -> Result<PictureFile, PictureError> {
-    let (width, height) = read_header(path, &mut reader)?;
-    let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    let mut line = vec![[0; 4]; width as usize];
-    for row in 0..height {
+) -> Result<Decoded, PictureError> {
+    let Header { order, words, mut statement } = read_header(path, &mut reader, purpose)?;
+    let Order { width, height, .. } = order;
+    let [lines, length] = if order.by_rows { [height, width] } else { [width, height] }.map(|edge| edge as usize);
+    let mut pixels = Vec::with_capacity(lines * length);
+    let mut line = vec![[0; 4]; length];
+    for row in 0..lines {
         read_line(&mut reader, &mut line)
             .map_err(|reason| PictureError::damaged(path, "HDR", format!("row {row} {reason}")))?;
         pixels.extend(line.iter().map(|rgbe| linear(*rgbe)));
     }
-    let mut statement = Statement { channels: vec!["R".into(), "G".into(), "B".into()], ..Statement::default() };
-    let words = ColourWords { space: None, transfer: None, default: Transfer::Linear };
-    words.decide(purpose, wishes, &mut statement);
-    Ok(PictureFile { picture: Picture { width, height, pixels }, statement })
+    let mut pixels = order.arrange(pixels);
+    words.decide(purpose, wishes, &mut statement).decode_floats(&mut pixels);
+    Ok(Decoded { picture: Picture { width, height, pixels }, statement, largest_code: None, channels: 3 })
 }
 
-/// Size from the header: `#?`, lines, an empty line, and a line such as `-Y 512 +X 1024`.
-fn read_header(path: &Path, reader: &mut impl BufRead) -> Result<(u32, u32), PictureError> {
+/// Order of the pixels of a file.
+#[derive(Clone, Copy, Debug)]
+struct Order {
+    width: u32,
+    height: u32,
+    /// True if pixels of a row follow each other, false for those of a column.
+    by_rows: bool,
+    /// True if columns run from right to left.
+    from_right: bool,
+    /// True if rows run from bottom to top.
+    from_bottom: bool,
+}
+
+impl Order {
+    /// Order from a line such as `-Y 512 +X 1024`; `None` for others.
+    fn from_line(line: &str) -> Option<(Self, [u64; 2])> {
+        let [first, outer, second, inner] = <[&str; 4]>::try_from(line.split_whitespace().collect::<Vec<_>>()).ok()?;
+        let by_rows = first.ends_with('Y');
+        let (x, y) = if by_rows { (second, first) } else { (first, second) };
+        let from = |word: &str, near: &str, far: &str| match word {
+            _ if word == near => Some(false),
+            _ if word == far => Some(true),
+            _ => None,
+        };
+        let (from_right, from_bottom) = (from(x, "+X", "-X")?, from(y, "-Y", "+Y")?);
+        let edge = |text: &str| text.parse::<u64>().ok().filter(|edge| *edge > 0);
+        let (outer, inner) = (edge(outer)?, edge(inner)?);
+        let size = if by_rows { [inner, outer] } else { [outer, inner] };
+        Some((Self { width: 0, height: 0, by_rows, from_right, from_bottom }, size))
+    }
+
+    /// Pixels in rows from top to bottom and from left to right.
+    fn arrange(self, pixels: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+        if self.by_rows && !self.from_right && !self.from_bottom {
+            return pixels;
+        }
+        let (width, height) = (self.width as usize, self.height as usize);
+        let place = |x: usize, y: usize| {
+            let x = if self.from_right { width - 1 - x } else { x };
+            let y = if self.from_bottom { height - 1 - y } else { y };
+            if self.by_rows { y * width + x } else { x * height + y }
+        };
+        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixels[place(x, y)]).collect()
+    }
+}
+
+/// Words of a header.
+struct Header {
+    order: Order,
+    words: ColourWords,
+    statement: Statement,
+}
+
+/// Reads a header: `#?`, lines, an empty line, and the line of [`Order::from_line`].
+fn read_header(path: &Path, reader: &mut impl BufRead, purpose: Purpose) -> Result<Header, PictureError> {
     let damaged = |reason: &str| PictureError::damaged(path, "HDR", reason);
     let mut header = reader.take(MAX_HEADER_BYTES);
     let mut next = || {
@@ -55,30 +110,99 @@ fn read_header(path: &Path, reader: &mut impl BufRead) -> Result<(u32, u32), Pic
     };
     // The first line has told the kind.
     next()?;
+    let mut variables = Variables::default();
     loop {
         let line = next()?;
-        match line.strip_prefix("FORMAT=") {
-            _ if line.is_empty() => break,
-            Some(format) if format != "32-bit_rle_rgbe" => {
-                return Err(PictureError::unsupported(path, format!("has the format `{format}`"), "32-bit_rle_rgbe"));
+        if line.is_empty() {
+            break;
+        }
+        variables.add(&line);
+    }
+    if let Some(format) = variables.format.as_ref().filter(|format| !FORMATS.contains(&format.as_str())) {
+        return Err(PictureError::unsupported(path, format!("has the format `{format}`"), FORMATS[0]));
+    }
+    let line = next()?;
+    let (order, [width, height]) =
+        Order::from_line(&line).ok_or_else(|| damaged(&format!("`{line}` is no size such as `-Y 512 +X 1024`")))?;
+    let (width, height) = check_size(path, width, height)?;
+    let (words, statement) = variables.said(purpose);
+    Ok(Header { order: Order { width, height, ..order }, words, statement })
+}
+
+/// Formats of pixels.
+const FORMATS: [&str; 2] = ["32-bit_rle_rgbe", "32-bit_rle_xyze"];
+
+/// Variables of a header that concern the light.
+#[derive(Default)]
+struct Variables {
+    format: Option<String>,
+    primaries: Option<String>,
+    /// Product of all `EXPOSURE`.
+    exposure: Option<f64>,
+    corrections: Vec<String>,
+    gamma: Option<String>,
+}
+
+impl Variables {
+    fn add(&mut self, line: &str) {
+        let Some((key, value)) = line.split_once('=') else { return };
+        let value = value.trim();
+        match key.trim() {
+            "FORMAT" => self.format = Some(value.to_owned()),
+            "PRIMARIES" => self.primaries = Some(value.to_owned()),
+            "EXPOSURE" => {
+                let factor = value.parse::<f64>().ok().filter(|factor| factor.is_finite() && *factor > 0.0);
+                self.exposure = factor.map(|factor| self.exposure.unwrap_or(1.0) * factor).or(self.exposure);
             }
+            "COLORCORR" => self.corrections.push(value.to_owned()),
+            "GAMMA" => self.gamma = Some(value.to_owned()),
             _ => {}
         }
     }
-    let size = next()?;
-    let words: Vec<&str> = size.split_whitespace().collect();
-    let [first, height, second, width] = words[..] else {
-        return Err(damaged("it has no line with its size"));
-    };
-    let edge = |text: &str| text.parse::<u64>().ok().filter(|edge| *edge > 0);
-    let (Some(width), Some(height)) = (edge(width), edge(height)) else {
-        return Err(damaged(&format!("`{size}` is no size")));
-    };
-    if (first, second) != ("-Y", "+X") {
-        let reason = format!("has its pixels in the order `{first} {second}`");
-        return Err(PictureError::unsupported(path, reason, "rows from top to bottom, -Y and +X"));
+
+    /// Decisions that the variables ask for.
+    fn said(self, purpose: Purpose) -> (ColourWords, Statement) {
+        let mut statement = Statement {
+            channels: ["R", "G", "B"].map(str::to_owned).to_vec(),
+            exposure: self.exposure,
+            ..Statement::default()
+        };
+        let mut space = None;
+        if self.format.as_deref() == Some(FORMATS[1]) {
+            space = ColourSpace::Xyz.primaries().map(|xyz| (format!("FORMAT {}", FORMATS[1]), xyz));
+        } else if let Some(said) = &self.primaries {
+            let numbers: Vec<f64> = said.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+            match <[f64; 8]>::try_from(numbers) {
+                Ok([a, b, c, d, e, f, x, y]) => {
+                    let primaries = Primaries { colours: [[a, b], [c, d], [e, f]], white: [x, y] };
+                    space = Some((format!("PRIMARIES of {}", primaries.name()), primaries));
+                }
+                Err(_) => statement.ignored.push(format!("PRIMARIES `{said}`: not eight numbers")),
+            }
+        }
+        if let Some(exposure) = self.exposure.filter(|exposure| *exposure != 1.0) {
+            let sentence = format!("EXPOSURE {exposure}: the pixels were multiplied by it, which is not undone");
+            match purpose {
+                Purpose::Environment => {
+                    let stops = -libm::log2(exposure);
+                    statement.warnings.push(format!("{sentence} (`exposure = {stops:.4}` does)"));
+                }
+                _ => statement.ignored.push(sentence),
+            }
+        }
+        for correction in self.corrections {
+            let factors = correction.split_whitespace().map(str::parse::<f64>);
+            if factors.into_iter().any(|factor| factor != Ok(1.0)) {
+                let what = "the pixels were multiplied by it, which is not undone";
+                statement.warnings.push(format!("its COLORCORR `{correction}`: {what}"));
+            }
+        }
+        if let Some(gamma) = self.gamma.filter(|gamma| gamma.parse::<f64>() != Ok(1.0)) {
+            let what = "the pixels are read as linear (`transfer` decides otherwise)";
+            statement.warnings.push(format!("its GAMMA `{gamma}`: {what}"));
+        }
+        (ColourWords { space, transfer: None, default: Transfer::Linear }, statement)
     }
-    check_size(path, width, height)
 }
 
 /// Reads the pixels of a row; its first four bytes tell the storage.
@@ -162,88 +286,4 @@ fn linear([red, green, blue, exponent]: [u8; 4]) -> [f32; 3] {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn read_file(bytes: &[u8]) -> Result<Picture, String> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("x.hdr");
-        std::fs::write(&path, bytes).unwrap();
-        super::super::read(&path, Purpose::Colours, &Wishes::default())
-            .map(|read| read.picture)
-            .map_err(|error| error.to_string())
-    }
-
-    fn file(size: &str, pixels: &[u8]) -> Vec<u8> {
-        let header = format!("#?RADIANCE\n# made by hand\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n{size}\n");
-        [header.as_bytes(), pixels].concat()
-    }
-
-    #[test]
-    fn plain_pixels_are_mantissas_times_a_power_of_two() {
-        let pixels = [128, 64, 0, 129, 255, 1, 2, 0, 255, 255, 255, 255, 1, 2, 1, 1];
-        let picture = read_file(&file("-Y 2 +X 2", &pixels)).unwrap();
-        assert_eq!((picture.width, picture.height), (2, 2));
-        let last = [1.0, 2.0, 1.0].map(|mantissa: f32| mantissa * 2f32.powi(-135));
-        assert_eq!(picture.pixels, [[1.0, 0.5, 0.0], [0.0; 3], [255.0 * 2f32.powi(119); 3], last]);
-        assert!(read_file(&[b"#?RGBE\n\n-Y 1 +X 1\n", &pixels[..4]].concat()).is_ok());
-    }
-
-    #[test]
-    fn runs_of_both_kinds_are_the_same_picture() {
-        let (a, b) = ([10, 20, 30, 128], [40, 50, 60, 130]);
-        let plain = [[a; 9].concat(), b.to_vec()].concat();
-        // 9 times the first pixel, then the other.
-        let old = [&a[..], &[1, 1, 1, 8], &b].concat();
-        let mut new = vec![2, 2, 0, 10];
-        for channel in 0..4 {
-            // A run of 8, and a stretch of 2.
-            new.extend([128 + 8, a[channel], 2, a[channel], b[channel]]);
-        }
-        let read = |pixels: &[u8]| read_file(&file("-Y 1 +X 10", pixels)).unwrap();
-        assert_eq!(read(&plain), read(&old));
-        assert_eq!(read(&plain), read(&new));
-
-        // A second mark counts 256s; wider than the new kind allows.
-        let long = [&a[..], &[1, 1, 1, 255], &[1, 1, 1, 128]].concat();
-        let width = 1 + 255 + 128 * 256;
-        let picture = read_file(&file(&format!("-Y 1 +X {width}"), &long));
-        assert!(picture.unwrap_err().contains("at most 16384 an edge"));
-        let shorter = [&a[..], &[1, 1, 1, 255], &[1, 1, 1, 3]].concat();
-        let picture = read_file(&file(&format!("-Y 1 +X {}", 256 + 3 * 256), &shorter)).unwrap();
-        assert!(picture.pixels.iter().all(|pixel| *pixel == linear(a)));
-    }
-
-    #[test]
-    fn bad_files_say_what_is_wrong_and_cut_ones_do_not_panic() {
-        let row = |pixels: &[u8]| file("-Y 1 +X 8", pixels);
-        for (bytes, expected) in [
-            (b"\x89PNG\r\n\x1a\n".to_vec(), "not a readable PNG file"),
-            (b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n".to_vec(), "header has no end"),
-            (b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n".to_vec(), "format `32-bit_rle_xyze`; export it as"),
-            (file("+Y 1 +X 1", &[0; 4]), "order `+Y +X`"),
-            (file("-Y 1", &[0; 4]), "no line with its size"),
-            (file("-Y one +X 1", &[0; 4]), "`-Y one +X 1` is no size"),
-            (file("-Y 0 +X 1", &[]), "is no size"),
-            (file("-Y 16384 +X 16384", &[]), "scale it down"),
-            (file("-Y 99999999999 +X 1", &[]), "scale it down"),
-            (file("-Y 2 +X 1", &[0; 4]), "row 1 is cut off"),
-            (row(&[2, 2, 0, 9]), "row 0 has another length"),
-            (row(&[2, 2, 0, 8, 0]), "a run that does not fit"),
-            (row(&[2, 2, 0, 8, 128 + 9, 1]), "a run that does not fit"),
-            (row(&[1, 1, 1, 3]), "a run that does not fit"),
-            (row(&[9, 9, 9, 9, 1, 1, 1, 8]), "a run that does not fit"),
-        ] {
-            let message = read_file(&bytes).unwrap_err();
-            assert!(message.contains(expected), "{expected}: {message}");
-        }
-        let mut endless = b"#?RADIANCE\n".to_vec();
-        endless.resize(1 << 17, b'x');
-        assert!(read_file(&endless).unwrap_err().contains("header has no end"));
-        let whole = row(&[&[2, 2, 0, 8][..], &[128 + 8, 7].repeat(4)].concat());
-        assert!(read_file(&whole).is_ok());
-        for end in 0..whole.len() {
-            assert!(read_file(&whole[..end]).is_err());
-        }
-    }
-}
+mod tests;

@@ -14,6 +14,12 @@ pub enum Kind {
     Exr,
     /// Radiance HDR (RGBE or XYZE).
     Hdr,
+    /// JPEG.
+    Jpeg,
+    /// TIFF or BigTIFF.
+    Tiff,
+    /// WebP.
+    Webp,
     /// A kind without a reader, by its name.
     Other(&'static str),
 }
@@ -24,6 +30,9 @@ impl fmt::Display for Kind {
             Self::Png => "PNG",
             Self::Exr => "OpenEXR",
             Self::Hdr => "Radiance HDR",
+            Self::Jpeg => "JPEG",
+            Self::Tiff => "TIFF",
+            Self::Webp => "WebP",
             Self::Other(name) => name,
         })
     }
@@ -34,11 +43,11 @@ const BEGINNINGS: &[(&[u8], Kind)] = &[
     (b"\x89PNG\r\n\x1a\n", Kind::Png),
     (b"\x76\x2f\x31\x01", Kind::Exr),
     (b"#?", Kind::Hdr),
-    (b"\xff\xd8\xff", Kind::Other("JPEG")),
-    (b"II*\0", Kind::Other("TIFF")),
-    (b"MM\0*", Kind::Other("TIFF")),
-    (b"II+\0", Kind::Other("BigTIFF")),
-    (b"MM\0+", Kind::Other("BigTIFF")),
+    (b"\xff\xd8\xff", Kind::Jpeg),
+    (b"II*\0", Kind::Tiff),
+    (b"MM\0*", Kind::Tiff),
+    (b"II+\0", Kind::Tiff),
+    (b"MM\0+", Kind::Tiff),
     (b"\xabKTX 20\xbb", Kind::Other("KTX2")),
     (b"\xabKTX 11\xbb", Kind::Other("KTX")),
     (b"DDS ", Kind::Other("DDS")),
@@ -76,9 +85,11 @@ impl Kind {
         if let Some((_, kind)) = BEGINNINGS.iter().find(|(beginning, _)| head.starts_with(beginning)) {
             return *kind;
         }
+        if let [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] = head {
+            return Self::Webp;
+        }
         Self::Other(match head {
             [] => "empty",
-            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => "WebP",
             [_, _, _, _, b'f', b't', b'y', b'p', b'a', b'v', b'i', _, ..] => "AVIF",
             [_, _, _, _, b'f', b't', b'y', b'p', b'h' | b'm', ..] => "HEIF",
             [b'B', b'M', _, _, _, _, 0, 0, 0, 0, ..] => "BMP",

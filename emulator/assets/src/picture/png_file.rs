@@ -5,25 +5,27 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::colour::{ColourWords, Transfer};
-use super::statement::{PictureFile, Purpose, Statement, Wishes};
+use super::codes::{collect_pixels, colours_of, decode_table, name_channels};
+use super::orientation::Orientation;
+use super::png_words::colour_words;
+use super::read::Decoded;
+use super::statement::{Purpose, Statement, Wishes};
 use super::{Picture, PictureError, check_size, linear_to_srgb8};
 use roughxel_utilities::output::OutputFile;
 
 /// Reads a PNG; grey becomes three equal channels, alpha is ignored.
 ///
-/// Range of the pixels: 0…1; code / (2^bits − 1), by the sRGB curve if `encoding` says so, rounded to float32 once. An animation gives its default
+/// Range of the pixels: 0…1; code / (2^bits − 1), for light by the curve of the file, rounded to float32 once. An animation gives its default
 /// image.
 ///
 /// # Errors
-/// A file that cannot be opened, is no PNG, is truncated or damaged, or is larger than [`MAX_EDGE`](super::MAX_EDGE) or
-/// [`MAX_PIXELS`](super::MAX_PIXELS).
+/// A file that is truncated or damaged, or that is larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS).
 pub(super) fn read(
     path: &Path,
     file: impl BufRead + Seek,
     purpose: Purpose,
     wishes: &Wishes,
-) -> Result<PictureFile, PictureError> {
+) -> Result<Decoded, PictureError> {
     let damaged = |reason: png::DecodingError| PictureError::damaged(path, "PNG", reason);
     let mut decoder = png::Decoder::new(file);
     let header = decoder.read_header_info().map_err(damaged)?;
@@ -39,47 +41,26 @@ pub(super) fn read(
     }
 
     let mut statement = Statement::default();
-    let words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
-    let colours = words.decide(purpose, wishes, &mut statement);
+    let colours = colour_words(reader.info(), &mut statement).decide(purpose, wishes, &mut statement);
     let channels = frame.color_type.samples();
-    let mut pixels = if frame.bit_depth == png::BitDepth::Sixteen {
-        let table = decode_table(65535, colours.transfer);
-        let samples = |pixel: &[u8], index: usize| {
+    name_channels(channels, &mut statement);
+    let orientation = reader.info().exif_metadata.as_ref().and_then(|exif| Orientation::from_exif(exif));
+    if let Some(turned) = orientation.filter(|orientation| *orientation != Orientation::UPRIGHT) {
+        statement.ignored.push(format!("eXIf {turned}: pixels stand as they are stored"));
+    }
+    let largest_code = if frame.bit_depth == png::BitDepth::Sixteen { 65535 } else { 255 };
+    let table = decode_table(largest_code, colours.transfer);
+    let mut pixels = if largest_code == 65535 {
+        let sample = |pixel: &[u8], index: usize| {
             table[usize::from(u16::from_be_bytes([pixel[2 * index], pixel[2 * index + 1]]))]
         };
-        collect_pixels(&bytes, 2 * channels, channels, samples)
+        collect_pixels(&bytes, 2 * channels, channels, sample)
     } else {
-        let table = decode_table(255, colours.transfer);
         collect_pixels(&bytes, channels, channels, |pixel, index| table[usize::from(pixel[index])])
     };
     colours.convert(&mut pixels);
-    Ok(PictureFile { picture: Picture { width, height, pixels }, statement })
-}
-
-/// Pixels from packed samples: channels 0, 1, 2, or channel 0 three times if there are fewer than three.
-fn collect_pixels(
-    bytes: &[u8],
-    bytes_per_pixel: usize,
-    channels: usize,
-    sample: impl Fn(&[u8], usize) -> f32,
-) -> Vec<[f32; 3]> {
-    bytes
-        .chunks_exact(bytes_per_pixel)
-        .map(
-            |pixel| {
-                if channels >= 3 {
-                    [sample(pixel, 0), sample(pixel, 1), sample(pixel, 2)]
-                } else {
-                    [sample(pixel, 0); 3]
-                }
-            },
-        )
-        .collect()
-}
-
-/// Value of every code 0…`largest`.
-pub(super) fn decode_table(largest: u32, transfer: Transfer) -> Vec<f32> {
-    (0..=largest).map(|code| transfer.decode(f64::from(code) / f64::from(largest)) as f32).collect()
+    let channels = colours_of(channels);
+    Ok(Decoded { picture: Picture { width, height, pixels }, statement, largest_code: Some(largest_code), channels })
 }
 
 /// Writes an 8-bit sRGB PNG of linear light, each value by [`linear_to_srgb8`].

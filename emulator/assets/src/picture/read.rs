@@ -4,11 +4,22 @@ use std::io::{Read as _, Seek as _};
 use std::path::Path;
 
 use super::kind::{HEAD_BYTES, Kind, LFS_POINTER};
-use super::statement::{PictureFile, Purpose, Wishes};
-use super::{PictureError, exr_file, hdr_file, open, png_file};
+use super::statement::{PictureFile, Purpose, Statement, Wishes};
+use super::{Picture, PictureError, exr_file, hdr_file, jpeg_file, normals, open, png_file, tiff_file, webp_file};
 
 /// Kinds with a reader, for messages.
-const READABLE: &str = "PNG, EXR or HDR";
+const READABLE: &str = "PNG, EXR, HDR, JPEG, TIFF or WebP";
+
+/// A picture as a reader for one kind gives it.
+pub(super) struct Decoded {
+    pub(super) picture: Picture,
+    /// Words of the file; [`read`] adds kind and size.
+    pub(super) statement: Statement,
+    /// Largest code of a channel; `None` for floats.
+    pub(super) largest_code: Option<u32>,
+    /// Channels that became the picture, 1 to 3.
+    pub(super) channels: usize,
+}
 
 /// Reads a picture file of any kind, as it says it is meant and as `wishes` decide otherwise.
 ///
@@ -25,15 +36,28 @@ pub fn read(path: &Path, purpose: Purpose, wishes: &Wishes) -> Result<PictureFil
     reader.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut head).map_err(unreadable)?;
     reader.rewind().map_err(unreadable)?;
     let kind = Kind::from_head(&head);
+    for (wished, key) in [(wishes.layer.is_some(), "layer"), (wishes.window.is_some(), "window")] {
+        if wished && kind != Kind::Exr {
+            let message = format!("`{}` is a file of the kind {kind}, which has no {key}", path.display());
+            return Err(PictureError::new(message, format!("leave `{key}` out, it belongs to OpenEXR")));
+        }
+    }
     let mut read = match kind {
         Kind::Png => png_file::read(path, reader, purpose, wishes)?,
         Kind::Exr => exr_file::read(path, reader, purpose, wishes)?,
         Kind::Hdr => hdr_file::read(path, reader, purpose, wishes)?,
+        Kind::Jpeg => jpeg_file::read(path, reader, purpose, wishes)?,
+        Kind::Tiff => tiff_file::read(path, reader, purpose, wishes)?,
+        Kind::Webp => webp_file::read(path, reader, purpose, wishes)?,
         Kind::Other(name) => return Err(without_reader(path, name)),
     };
-    read.statement.kind = kind.to_string();
-    read.statement.size = [read.picture.width, read.picture.height];
-    Ok(read)
+    if purpose == Purpose::Normals {
+        normals::settle(path, &mut read, wishes)?;
+    }
+    let Decoded { picture, mut statement, .. } = read;
+    statement.kind = kind.to_string();
+    statement.size = [picture.width, picture.height];
+    Ok(PictureFile { picture, statement })
 }
 
 /// An error for a file of a kind without a reader.

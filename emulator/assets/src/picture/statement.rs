@@ -1,5 +1,7 @@
 //! Words of a picture file about itself, and the decisions that reading makes of them.
 
+use std::fmt;
+
 use serde::Serialize;
 
 use super::Picture;
@@ -36,6 +38,11 @@ pub enum Window {
     Display,
     /// The pixels that the file holds.
     Data,
+}
+
+impl Window {
+    /// Words of the key `window`.
+    pub const WORDS: [(&'static str, Self); 2] = [("display", Self::Display), ("data", Self::Data)];
 }
 
 /// Decisions of a user against the words of a file. `None` leaves a decision to the file.
@@ -115,12 +122,39 @@ pub struct Statement {
     pub exposure: Option<f64>,
     /// Projection of a panorama.
     pub envmap: Option<Envmap>,
-    /// True if the components of a normal map run from −1 to 1; `None` for other pictures.
+    /// True if the components of a normal map run from −1 to 1 in the picture; `None` for other pictures.
     pub signed: Option<bool>,
+    /// Decisions that the file does not tell in words, one sentence each.
+    pub notes: Vec<String>,
     /// Words of the file that have no effect, one sentence each.
     pub ignored: Vec<String>,
     /// Decisions that may be wrong, one sentence each with the key that decides otherwise.
     pub warnings: Vec<String>,
+}
+
+impl fmt::Display for Statement {
+    /// Writes kind, size and decisions in one line.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}, {}×{}", self.kind, self.size[0], self.size[1])?;
+        if let Some(layer) = &self.layer {
+            write!(out, ", layer `{layer}`")?;
+        }
+        if !self.channels.is_empty() {
+            write!(out, ", channels {}", self.channels.join(" "))?;
+        }
+        if let Some(Windows { data, display, used }) = self.windows
+            && data != display
+        {
+            write!(out, ", {} window", if used == Window::Display { "display" } else { "data" })?;
+        }
+        for said in [&self.colour_space, &self.transfer].into_iter().flatten() {
+            write!(out, ", {}", said.used)?;
+        }
+        if self.signed == Some(true) {
+            out.write_str(", signed")?;
+        }
+        Ok(())
+    }
 }
 
 /// A picture with the statement of its file.

@@ -6,10 +6,13 @@ use exr::compression::Compression;
 use exr::prelude::{Encoding as ExrEncoding, WritableImage, f16};
 use png::{BitDepth, ColorType};
 
-use super::colour::Transfer;
-use super::png_file::decode_table;
+use super::codes::decode_table;
 use super::*;
 use roughxel_utilities::random::SplitMix64;
+
+mod formats;
+mod layers;
+mod words;
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
 
@@ -186,13 +189,14 @@ fn exrs_of_all_kinds_give_their_values() -> TestResult {
 }
 
 #[test]
-fn negative_exr_pixels_become_0_and_infinite_ones_are_refused() -> TestResult {
+fn negative_exr_pixels_keep_their_sign_and_infinite_ones_are_refused() -> TestResult {
     let directory = Directory::new()?;
     let write = |value| {
         let bytes = exr_bytes(2, &[("Y", vec![1.0, value])], ExrEncoding::default())?;
         Ok::<_, Box<dyn std::error::Error>>(directory.file("a.exr", &bytes)?)
     };
-    assert_eq!(read_colours(&write(-0.5)?)?.pixel(1, 0), [0.0; 3]);
+    assert_eq!(read_colours(&write(-0.5)?)?.pixel(1, 0), [-0.5; 3]);
+    assert_eq!(read_data(&write(-0.5)?)?.pixel(1, 0), [-0.5; 3]);
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         assert!(fails(read_colours(&write(value)?), &format!("has the value {value} at pixel (1, 0)")));
     }
@@ -206,10 +210,13 @@ fn exrs_without_a_colour_or_by_b44_are_refused() -> TestResult {
     let b44 =
         ExrEncoding { compression: Compression::B44, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let grey = exr_bytes(2, &[("Y", vec![0.0; 4])], b44)?;
-    assert!(fails(read_colours(&directory.file("a.exr", &grey)?), "is compressed by B44; export it as"));
+    assert!(fails(
+        read_colours(&directory.file("a.exr", &grey)?),
+        "is compressed by B44, which is not read; export it as"
+    ));
     let channels = [("U", vec![0.0; 4]), ("V", vec![0.0; 4])];
     let path = directory.file("a.exr", &exr_bytes(2, &channels, ExrEncoding::default())?)?;
-    assert!(fails(read_colours(&path), "has neither R, G and B channels nor a single one; export it as"));
+    assert!(fails(read_colours(&path), "has no channels R, G, B or Y; its channels are: U, V (no layer)"));
     Ok(())
 }
 

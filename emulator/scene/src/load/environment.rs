@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use roughxel_assets::picture::{CubeFile, Envmap, MAX_PIXELS, Picture, Purpose, Wishes, is_cube_file, read_cube};
+use roughxel_assets::picture::{CubeFile, Envmap, MAX_PIXELS, Picture, PictureFile, Purpose, is_cube_file, read_cube};
 use roughxel_utilities::limits::{EXPOSURES, MAX_FACE_EDGE};
 use toml::Spanned;
 
 use super::light;
-use super::maps::Maps;
+use super::maps::{Maps, wishes};
 use crate::error::SceneError;
 use crate::faces::{LAYOUTS, Layout, ORIENTATIONS, Orientation, better_orientation, in_vulkan_orientation};
 use crate::generate::ENVIRONMENTS;
@@ -33,7 +33,7 @@ impl Maps<'_> {
             (None, None, Some(named), None) => self.cube(&arguments, named)?,
             (None, None, None, Some((paths, span))) => {
                 let orientation = arguments.word("orientation", &ORIENTATIONS)?.unwrap_or(Orientation::Outside);
-                let faces = self.six_faces(paths, span)?;
+                let faces = self.six_faces(&arguments, paths, span)?;
                 self.oriented(faces, orientation)
             }
             _ => {
@@ -63,7 +63,7 @@ impl Maps<'_> {
             longitudes: longitudes.unwrap_or(Extent::SPHERE.longitudes),
             latitudes: latitudes.unwrap_or(Extent::SPHERE.latitudes),
         };
-        let (picture, envmap) = self.read_light(path, span.clone())?;
+        let (picture, envmap) = self.read_light(arguments, (path, span.clone()))?;
         let size = format!("{}×{}", picture.width, picture.height);
         if envmap == Some(Envmap::Cube) && latitudes.is_none() {
             let message = format!("`{path}` says that it holds the six faces of a cube (`envmap`)");
@@ -98,8 +98,8 @@ impl Maps<'_> {
         let layout = arguments.word("layout", &LAYOUTS)?;
         let orientation = arguments.word("orientation", &ORIENTATIONS)?;
         if layout.is_none() && is_cube_file(&self.resolve(path)) {
-            let CubeFile { faces, statement } =
-                self.read(path, span.clone(), |file| read_cube(file, &Wishes::default()))?;
+            let wishes = wishes(arguments, Purpose::Environment)?;
+            let CubeFile { faces, statement } = self.read(path, span.clone(), |file| read_cube(file, &wishes))?;
             let edge = faces[0].width;
             if edge > MAX_FACE_EDGE {
                 let message = format!("`{path}` has faces of {edge}×{edge} pixels");
@@ -109,7 +109,7 @@ impl Maps<'_> {
             self.say("environment", path, statement);
             return Ok(self.oriented(faces, orientation.unwrap_or(Orientation::Outside)));
         }
-        let (picture, envmap) = self.read_light(path, span.clone())?;
+        let (picture, envmap) = self.read_light(arguments, (path, span.clone()))?;
         let by_file = (envmap == Some(Envmap::Cube)).then_some(Layout::OpenExr);
         let error = |message: String, help: String| {
             let message = format!("`{path}` has {}×{} pixels, {message}", picture.width, picture.height);
@@ -153,13 +153,23 @@ impl Maps<'_> {
     }
 
     /// A picture of light, and its projection if the file names one.
-    fn read_light(&mut self, path: &str, span: Range<usize>) -> Result<(Picture, Option<Envmap>), SceneError> {
-        let picture = self.read_picture("environment", path, span, Purpose::Environment)?;
-        Ok((picture, self.pictures.last().and_then(|read| read.statement.envmap)))
+    fn read_light(
+        &mut self,
+        arguments: &Arguments<'_>,
+        named: (&str, Range<usize>),
+    ) -> Result<(Picture, Option<Envmap>), SceneError> {
+        let PictureFile { picture, statement } =
+            self.read_picture("environment", arguments, named, Purpose::Environment)?;
+        Ok((picture, statement.envmap))
     }
 
     /// The pictures of six files.
-    fn six_faces(&mut self, paths: &[String], span: Range<usize>) -> Result<[Picture; 6], SceneError> {
+    fn six_faces(
+        &mut self,
+        arguments: &Arguments<'_>,
+        paths: &[String],
+        span: Range<usize>,
+    ) -> Result<[Picture; 6], SceneError> {
         let source = self.source;
         let wrong_count = |_| {
             let message = format!("`faces` names {} files", paths.len());
@@ -167,7 +177,7 @@ impl Maps<'_> {
         };
         let mut faces = Vec::new();
         for path in <&[String; 6]>::try_from(paths).map_err(|_| wrong_count(()))? {
-            let face = self.read_picture("environment", path, span.clone(), Purpose::Environment)?;
+            let face = self.read_light(arguments, (path, span.clone()))?.0;
             let edge = faces.first().map_or(face.width, |first: &Picture| first.width);
             if face.width != face.height || face.width != edge || edge > MAX_FACE_EDGE {
                 let message = format!("the face `{path}` has {}×{} pixels", face.width, face.height);

@@ -18,7 +18,9 @@ use crate::lighting::PEAK_HEIGHTS;
 use crate::roughness::{MAX_DEVIATION, RoughnessChannels, RoughnessField};
 use crate::scene::PictureUse;
 use crate::source::{ArgumentTable, Arguments, Source};
-use roughxel_assets::picture::{self, Picture, PictureError, Purpose, Statement, Wishes};
+use roughxel_assets::picture::{
+    self, ColourSpace, Picture, PictureError, PictureFile, Purpose, Statement, Transfer, Window, Wishes,
+};
 
 /// Reads the maps of one scene; a map that is named more than once is made once.
 pub(super) struct Maps<'a> {
@@ -49,17 +51,18 @@ impl<'a> Maps<'a> {
 }
 
 impl Maps<'_> {
-    /// Reads the picture `path` of a table; `used_as` names its use in the scene.
+    /// Reads the picture `path` that `arguments` name, by their wishes; `used_as` names its use in the scene.
     pub(super) fn read_picture(
         &mut self,
         used_as: &str,
-        path: &str,
-        span: Range<usize>,
+        arguments: &Arguments<'_>,
+        (path, span): (&str, Range<usize>),
         purpose: Purpose,
-    ) -> Result<Picture, SceneError> {
-        let read = self.read(path, span, |file| picture::read(file, purpose, &Wishes::default()))?;
-        self.say(used_as, path, read.statement);
-        Ok(read.picture)
+    ) -> Result<PictureFile, SceneError> {
+        let wishes = wishes(arguments, purpose)?;
+        let read = self.read(path, span, |file| picture::read(file, purpose, &wishes))?;
+        self.say(used_as, path, read.statement.clone());
+        Ok(read)
     }
 
     /// Reads the file `path` of a table.
@@ -94,10 +97,13 @@ impl Maps<'_> {
         arguments: &Arguments<'_>,
         generators: &Generators<Picture>,
         purpose: Purpose,
-    ) -> Result<Picture, SceneError> {
+    ) -> Result<PictureFile, SceneError> {
         let picture = match (arguments.text("path")?, arguments.text("generate")?) {
-            (Some((path, span)), None) => self.read_picture(used_as, path, span, purpose)?,
-            (None, Some(named)) => generators.make(arguments, named, self.progress)?,
+            (Some(named), None) => self.read_picture(used_as, arguments, named, purpose)?,
+            (None, Some(named)) => {
+                let picture = generators.make(arguments, named, self.progress)?;
+                PictureFile { picture, statement: Statement::default() }
+            }
             _ => {
                 return Err(arguments.error("the map is not clear", "give exactly one of `path` and `generate`"));
             }
@@ -118,7 +124,7 @@ impl Maps<'_> {
             return Ok(Arc::clone(known));
         }
         let used_as = format!("{name}: colour map");
-        let picture = Arc::new(self.picture(&used_as, &arguments, &COLOUR_MAPS, Purpose::Colours)?);
+        let picture = Arc::new(self.picture(&used_as, &arguments, &COLOUR_MAPS, Purpose::Colours)?.picture);
         self.warnings.extend(light::cut_colour(&used_as, &picture));
         self.colour_maps.insert(key, Arc::clone(&picture));
         Ok(picture)
@@ -150,7 +156,8 @@ impl Maps<'_> {
             let scale = height_scale(&arguments, frame)?;
             let wraps = arguments.flag("wrap", true)?.is_none_or(|(wraps, _)| wraps);
             let edges = if wraps { Edges::Wrapped } else { Edges::Open };
-            let heights = self.picture(&format!("{name}: height map"), &arguments, &HEIGHT_MAPS, Purpose::Heights)?;
+            let used_as = format!("{name}: height map");
+            let heights = self.picture(&used_as, &arguments, &HEIGHT_MAPS, Purpose::Heights)?.picture;
             if with_heights {
                 BumpField::with_heights(&heights, scale, frame, edges)
             } else {
@@ -168,7 +175,12 @@ impl Maps<'_> {
                 return Err(arguments.error_at(span, "`wrap` belongs to a height map", help));
             }
             let used_as = format!("{name}: normal map");
-            BumpField::from_normals(&self.picture(&used_as, &arguments, &NORMAL_MAPS, Purpose::Normals)?, green)
+            let normals = self.picture(&used_as, &arguments, &NORMAL_MAPS, Purpose::Normals)?;
+            if normals.statement.signed == Some(true) {
+                BumpField::from_signed_normals(&normals.picture, green)
+            } else {
+                BumpField::from_normals(&normals.picture, green)
+            }
         };
         if clamped > 0 {
             self.warnings.push(format!(
@@ -245,9 +257,26 @@ impl Maps<'_> {
         let words = [("isotropic", RoughnessChannels::Isotropic), ("anisotropic", RoughnessChannels::Anisotropic)];
         let channels = arguments.word("channels", &words)?.unwrap_or(RoughnessChannels::Isotropic);
         // The grey of a height map serves for a deviation as well as for a height.
-        let picture = self.picture(&format!("{name}: roughness map"), arguments, &HEIGHT_MAPS, Purpose::Data)?;
+        let picture = self.picture(&format!("{name}: roughness map"), arguments, &HEIGHT_MAPS, Purpose::Data)?.picture;
         Ok(RoughnessField::from_picture(&picture, channels, deviation))
     }
+}
+
+/// Keys of a table with a picture file that decide against the words of the file.
+pub(super) fn wishes(arguments: &Arguments<'_>, purpose: Purpose) -> Result<Wishes, SceneError> {
+    let mut wishes = Wishes {
+        layer: arguments.text("layer")?.map(|(layer, _)| layer.to_owned()),
+        window: arguments.word("window", &Window::WORDS)?,
+        ..Wishes::default()
+    };
+    if purpose.is_light() {
+        wishes.colour_space = arguments.word("colour_space", &ColourSpace::WORDS)?;
+        wishes.transfer = arguments.word("transfer", &Transfer::WORDS)?;
+    }
+    if purpose == Purpose::Normals {
+        wishes.signed = arguments.flag("signed", "–")?.map(|(signed, _)| signed);
+    }
+    Ok(wishes)
 }
 
 /// `scale` or `rms_slope` of a height map.
@@ -264,3 +293,6 @@ fn height_scale(arguments: &Arguments<'_>, frame: FrameSystem) -> Result<HeightS
         (Some(_), Some(_)) => Err(arguments.error("the height is given twice", "keep one of `scale` and `rms_slope`")),
     }
 }
+
+#[cfg(test)]
+mod tests;

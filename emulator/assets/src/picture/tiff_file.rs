@@ -1,0 +1,107 @@
+//! TIFF: grey or RGB, 8 or 16 bits, half or float.
+
+use std::io::{BufRead, Seek};
+use std::path::Path;
+
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
+use tiff::{ColorType, TiffError};
+
+use super::codes::{collect_pixels, colours_of, decode_table, name_channels};
+use super::colour::{ColourWords, Transfer};
+use super::icc::profile_words;
+use super::orientation::Orientation;
+use super::read::Decoded;
+use super::statement::{Purpose, Statement, Wishes};
+use super::{MAX_PIXELS, Picture, PictureError, check_finite, check_size};
+
+/// Most bytes of the decoded samples: four floats a pixel.
+const MAX_BYTES: usize = 16 * MAX_PIXELS as usize;
+/// Formats that this module reads, for remedies.
+const REMEDY: &str = "a TIFF in RGB or grey, of 8 or 16 bits or floats, uncompressed or by LZW or Deflate";
+
+/// Reads the first page of a TIFF. Integers are sRGB, or as the ICC profile says; floats are linear. It is turned upright by its tag.
+///
+/// # Errors
+/// A file that is truncated or damaged; signed integers, planes, palettes and colours for print; compression by CCITT or JPEG; a picture larger than
+/// [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`]; a float that is not finite.
+pub(super) fn read(
+    path: &Path,
+    file: impl BufRead + Seek,
+    purpose: Purpose,
+    wishes: &Wishes,
+) -> Result<Decoded, PictureError> {
+    let unsupported = |reason: String| PictureError::unsupported(path, format!("{reason}, which is not read"), REMEDY);
+    let failed = |error: TiffError| match error {
+        TiffError::UnsupportedError(reason) => {
+            PictureError::unsupported(path, format!("is a TIFF of a kind that is not read: {reason}"), REMEDY)
+        }
+        error => PictureError::damaged(path, "TIFF", error),
+    };
+    let mut limits = Limits::default();
+    (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (MAX_BYTES, MAX_BYTES);
+    let mut decoder = Decoder::new(file).map_err(failed)?.with_limits(limits);
+    let (width, height) = decoder.dimensions().map_err(failed)?;
+    let (width, height) = check_size(path, width.into(), height.into())?;
+    let kind = decoder.colortype().map_err(failed)?;
+    let (channels, bits) = match kind {
+        ColorType::Gray(bits) => (1, bits),
+        ColorType::GrayA(bits) => (2, bits),
+        ColorType::RGB(bits) => (3, bits),
+        ColorType::RGBA(bits) => (4, bits),
+        ColorType::CMYK(_) | ColorType::CMYKA(_) => return Err(unsupported("is a TIFF in colours for print".into())),
+        other => return Err(unsupported(format!("is a TIFF with channels {other:?}"))),
+    };
+    let tag = |decoder: &mut Decoder<_>, tag| decoder.find_tag_unsigned::<u16>(tag).map_err(failed);
+    if channels > 1 && tag(&mut decoder, Tag::PlanarConfiguration)? == Some(2) {
+        return Err(unsupported("is a TIFF with a plane for each channel".into()));
+    }
+    let orientation = tag(&mut decoder, Tag::Orientation)?.and_then(Orientation::from_tag);
+    let orientation = orientation.unwrap_or(Orientation::UPRIGHT);
+    let mut statement = Statement::default();
+    name_channels(channels, &mut statement);
+    let mut words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
+    if let Some(profile) = decoder.find_tag(Tag::IccProfile).map_err(failed)? {
+        let profile = profile.into_u8_vec().map_err(failed)?;
+        profile_words(&profile, "ICC profile", &mut words, &mut statement);
+    }
+    let samples = decoder.read_image().map_err(failed)?;
+    if decoder.more_images() {
+        statement.ignored.push("further pages: the first is taken".to_owned());
+    }
+    let count = width as usize * height as usize * channels;
+    let (floats, largest_code) = match &samples {
+        DecodingResult::U8(codes) if bits == 8 && codes.len() == count => (None, Some(255)),
+        DecodingResult::U16(codes) if bits == 16 && codes.len() == count => (None, Some(65535)),
+        DecodingResult::F16(values) => (Some(values.iter().map(|value| value.to_f32()).collect()), None),
+        DecodingResult::F32(values) => (Some(values.clone()), None),
+        DecodingResult::F64(values) => (Some(values.iter().map(|value| *value as f32).collect()), None),
+        _ => return Err(unsupported(format!("is a TIFF with integers of {bits} bits"))),
+    };
+    words.default = if floats.is_some() { Transfer::Linear } else { Transfer::Srgb };
+    let colours = words.decide(purpose, wishes, &mut statement);
+    let pixels = if let Some(floats) = floats {
+        let floats: Vec<f32> = floats;
+        if floats.len() != count {
+            return Err(PictureError::damaged(path, "TIFF", "it has samples for another size"));
+        }
+        let mut pixels = collect_pixels(&floats, channels, channels, |pixel, index| pixel[index]);
+        check_finite(path, &pixels, width)?;
+        colours.decode_floats(&mut pixels);
+        pixels
+    } else {
+        let table = decode_table(largest_code.unwrap_or(0), colours.transfer);
+        let mut pixels = match &samples {
+            DecodingResult::U8(codes) => collect_pixels(codes, channels, channels, |p, i| table[usize::from(p[i])]),
+            DecodingResult::U16(codes) => collect_pixels(codes, channels, channels, |p, i| table[usize::from(p[i])]),
+            _ => Vec::new(),
+        };
+        colours.convert(&mut pixels);
+        pixels
+    };
+    if orientation != Orientation::UPRIGHT {
+        statement.notes.push(format!("{orientation}: the picture is turned upright"));
+    }
+    let picture = orientation.apply(Picture { width, height, pixels });
+    Ok(Decoded { picture, statement, largest_code, channels: colours_of(channels) })
+}
