@@ -8,6 +8,7 @@
 
 mod codes;
 mod colour;
+mod colour_words;
 mod compare;
 mod cube_file;
 mod exr_choice;

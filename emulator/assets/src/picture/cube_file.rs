@@ -9,7 +9,8 @@ use std::path::Path;
 use exr::prelude::f16;
 
 use super::codes::decode_table;
-use super::colour::{ColourWords, Transfer};
+use super::colour::Transfer;
+use super::colour_words::ColourWords;
 use super::statement::{Purpose, Statement, Wishes};
 use super::{Picture, PictureError, open};
 

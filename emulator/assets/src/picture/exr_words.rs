@@ -3,7 +3,8 @@
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::Header;
 
-use super::colour::{ColourSpace, ColourWords, Primaries, Transfer};
+use super::colour::{ColourSpace, Primaries, Transfer};
+use super::colour_words::ColourWords;
 use super::statement::Statement;
 
 /// Attributes that name the colour space of the pixels, by rank: OpenEXR and the Color Interop Forum, OpenImageIO.

@@ -6,7 +6,8 @@
 use std::io::{BufRead, Read};
 use std::path::Path;
 
-use super::colour::{ColourSpace, ColourWords, Primaries, Transfer};
+use super::colour::{ColourSpace, Primaries, Transfer};
+use super::colour_words::ColourWords;
 use super::read::Decoded;
 use super::statement::{Purpose, Statement, Wishes};
 use super::{Picture, PictureError, check_size};

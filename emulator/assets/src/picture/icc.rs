@@ -1,6 +1,7 @@
 //! ICC profiles, known by their names.
 
-use super::colour::{ColourSpace, ColourWords, Transfer};
+use super::colour::{ColourSpace, Transfer};
+use super::colour_words::ColourWords;
 use super::statement::Statement;
 
 /// Power of Adobe RGB.

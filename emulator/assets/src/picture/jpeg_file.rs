@@ -8,7 +8,8 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::codes::{collect_pixels, decode_table, name_channels};
-use super::colour::{ColourWords, Transfer};
+use super::colour::Transfer;
+use super::colour_words::ColourWords;
 use super::icc::profile_words;
 use super::orientation::Orientation;
 use super::read::Decoded;

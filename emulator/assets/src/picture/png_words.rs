@@ -1,6 +1,7 @@
 //! Words of a PNG about its colours: cICP, iCCP, sRGB, cHRM and gAMA, in the precedence of PNG's third edition.
 
-use super::colour::{ColourSpace, ColourWords, Primaries, Transfer};
+use super::colour::{ColourSpace, Primaries, Transfer};
+use super::colour_words::ColourWords;
 use super::icc::profile_words;
 use super::statement::Statement;
 

@@ -8,7 +8,8 @@ use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
 use super::codes::{collect_pixels, colours_of, decode_table, name_channels};
-use super::colour::{ColourWords, Transfer};
+use super::colour::Transfer;
+use super::colour_words::ColourWords;
 use super::icc::profile_words;
 use super::orientation::Orientation;
 use super::read::Decoded;

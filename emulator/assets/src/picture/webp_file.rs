@@ -6,7 +6,8 @@ use std::path::Path;
 use image_webp::{DecodingError, WebPDecoder};
 
 use super::codes::{collect_pixels, decode_table, name_channels};
-use super::colour::{ColourWords, Transfer};
+use super::colour::Transfer;
+use super::colour_words::ColourWords;
 use super::icc::profile_words;
 use super::read::Decoded;
 use super::statement::{Purpose, Statement, Wishes};
