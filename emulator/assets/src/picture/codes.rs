@@ -38,7 +38,7 @@ pub(super) fn colours_of(channels: usize) -> usize {
 pub(super) fn name_channels(channels: usize, statement: &mut Statement) {
     let names: &[&str] = if channels >= 3 { &["R", "G", "B"] } else { &["Y"] };
     statement.channels = names.iter().map(ToString::to_string).collect();
-    if channels % 2 == 0 {
+    if channels.is_multiple_of(2) {
         statement.left.push("A".to_owned());
     }
 }
