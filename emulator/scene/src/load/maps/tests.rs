@@ -164,7 +164,7 @@ fn keys_decide_against_a_file_and_belong_to_files_of_their_use() {
     assert!(grey.iter().all(|channel| (channel - 0.75).abs() < 1e-5), "{grey:?}");
     assert!(pixel(", transfer = \"srbg\"").unwrap_err().contains("did you mean `srgb`?"));
     assert!(pixel(", colour_space = \"acesgc\"").unwrap_err().contains("did you mean `acescg`?"));
-    assert!(pixel(", signed = true").unwrap_err().contains("unknown key `signed`"));
+    assert!(pixel(", layer = \"a\", signed = true").unwrap_err().contains("unknown key `signed`"));
     let heights = scene("height_map = { path = \"c.exr\", layer = \"a\", transfer = \"srgb\" }", &files);
     assert!(heights.unwrap_err().contains("unknown key `transfer`"));
     let generated = scene("colour_map = { generate = \"noise\", layer = \"a\" }", &files);
