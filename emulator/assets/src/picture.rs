@@ -11,6 +11,7 @@ mod colour;
 mod colour_words;
 mod compare;
 mod cube_file;
+mod decoded;
 mod exr_choice;
 mod exr_file;
 mod exr_words;

@@ -1,6 +1,6 @@
 //! Meshes from polygons of any format.
 //!
-//! Polygons are cut into triangles. Missing normals are area-weighted means over the faces of a smoothing group. p_u and p_v follow from the
+//! Polygons are cut into triangles. Missing normals are means over the faces of a smoothing group, weighted by their areas. p_u and p_v follow from the
 //! texture coordinates, area-weighted per vertex. A vertex between a mirrored and an unmirrored chart is split in two.
 
 use std::collections::HashMap;
@@ -74,9 +74,13 @@ pub(super) fn build(polygons: &Polygons, directions: Tangents) -> Option<Built> 
         positions.clear();
         positions.extend(corners.iter().map(|corner| polygons.positions[corner.position as usize]));
         builder.crossed += usize::from(!cutter.cut(&positions, &mut triangles));
-        builder.begin_face(face.smoothing);
+        builder.begin_face(face.smoothing, &positions);
+        let kept = builder.mesh.triangles.len();
         for triangle in &triangles {
             builder.add(triangle.map(|index| corners[index as usize]));
+        }
+        if builder.mesh.triangles.len() > kept {
+            builder.end_face(corners);
         }
     }
     let mut built = builder.finish()?;
@@ -98,6 +102,8 @@ struct Builder<'a> {
     /// Sums of positions in smoothing groups.
     grouped: HashMap<(u32, u32), u32>,
     smoothing: Smoothing,
+    /// Doubled area of the current polygon, along its normal. Each of its corners counts it once, however the polygon is cut.
+    face_area: DVec3,
     /// Sum of each vertex in `sums`.
     sum_of: Vec<u32>,
     /// Area of each vertex so far, the weight of its tangents.
@@ -117,6 +123,7 @@ impl<'a> Builder<'a> {
             sums: vec![DVec3::ZERO; polygons.positions.len()],
             grouped: HashMap::new(),
             smoothing: Smoothing::Whole,
+            face_area: DVec3::ZERO,
             sum_of: Vec::new(),
             chart_area: Vec::new(),
             has_uv: polygons.corners.iter().any(|corner| corner.texcoord.is_some()),
@@ -125,10 +132,20 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn begin_face(&mut self, smoothing: Smoothing) {
+    fn begin_face(&mut self, smoothing: Smoothing, positions: &[DVec3]) {
         self.smoothing = smoothing;
+        let fan = positions.windows(2).skip(1).map(|pair| (pair[0] - positions[0]).cross(pair[1] - positions[0]));
+        self.face_area = fan.reduce(|sum, area| sum + area).unwrap_or(DVec3::ZERO);
         if smoothing == Smoothing::Flat {
             self.sums.push(DVec3::ZERO);
+        }
+    }
+
+    /// Adds the area of the polygon to the normals of its corners.
+    fn end_face(&mut self, corners: &[Corner]) {
+        for corner in corners {
+            let sum = self.sum(corner.position);
+            self.sums[sum as usize] += self.face_area;
         }
     }
 
@@ -174,7 +191,6 @@ impl<'a> Builder<'a> {
         let mut triangle = [0; 3];
         for (slot, corner) in corners.into_iter().enumerate() {
             let sum = self.sum(corner.position);
-            self.sums[sum as usize] += doubled_area;
             let key = (corner, mirrored, corner.normal.is_none().then_some(sum));
             let index = *self.known.entry(key).or_insert_with(|| {
                 self.sum_of.push(sum);

@@ -30,7 +30,7 @@ pub(super) fn polygons(path: &Path, bytes: &[u8], offset: DVec3) -> Result<ReadM
     let mut warnings: Vec<String> = model.ignored.iter().map(|what| format!("{}: {what}", path.display())).collect();
     if !model.materials.is_empty() {
         let remedy = "`roughxel import` makes a scene with them";
-        warnings.push(format!("{}: materials and textures of the model are not used here; {remedy}", path.display()));
+        warnings.push(format!("{}: materials of the model are not used here; {remedy}", path.display()));
     }
     Ok(ReadModel { polygons, without_uv, warnings })
 }

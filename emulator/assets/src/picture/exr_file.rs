@@ -11,9 +11,9 @@ use exr::meta::attribute::{EnvironmentMap, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::f16;
 
+use super::decoded::Decoded;
 use super::exr_choice::{Choice, choose};
 use super::exr_words::colour_words;
-use super::read::Decoded;
 use super::statement::{Envmap, Purpose, Rectangle, Statement, Window, Windows, Wishes};
 use super::{Picture, PictureError, check_finite, check_size};
 

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::colour::{ColourSpace, Primaries, Transfer};
 use super::colour_words::ColourWords;
-use super::read::Decoded;
+use super::decoded::Decoded;
 use super::statement::{Purpose, Statement, Wishes};
 use super::{Picture, PictureError, check_size};
 

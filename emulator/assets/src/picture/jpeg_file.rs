@@ -10,9 +10,9 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::codes::{collect_pixels, decode_table, name_channels};
 use super::colour::Transfer;
 use super::colour_words::ColourWords;
+use super::decoded::Decoded;
 use super::icc::profile_words;
 use super::orientation::Orientation;
-use super::read::Decoded;
 use super::statement::{Purpose, Statement, Wishes};
 use super::{MAX_EDGE, Picture, PictureError, check_size};
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::PictureError;
-use super::read::Decoded;
+use super::decoded::Decoded;
 use super::statement::Wishes;
 
 /// Largest difference of the length of a normal from 1 that rounding explains: three 8-bit codes.

@@ -6,9 +6,9 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::codes::{collect_pixels, colours_of, decode_table, name_channels};
+use super::decoded::Decoded;
 use super::orientation::Orientation;
 use super::png_words::colour_words;
-use super::read::Decoded;
 use super::statement::{Purpose, Statement, Wishes};
 use super::{Picture, PictureError, check_size, linear_to_srgb8};
 use roughxel_utilities::output::OutputFile;

@@ -3,23 +3,13 @@
 use std::io::{Read as _, Seek as _};
 use std::path::Path;
 
+use super::decoded::Decoded;
 use super::kind::{HEAD_BYTES, Kind, LFS_POINTER};
-use super::statement::{PictureFile, Purpose, Statement, Wishes};
-use super::{Picture, PictureError, exr_file, hdr_file, jpeg_file, normals, open, png_file, tiff_file, webp_file};
+use super::statement::{PictureFile, Purpose, Wishes};
+use super::{PictureError, exr_file, hdr_file, jpeg_file, normals, open, png_file, tiff_file, webp_file};
 
 /// Kinds with a reader, for messages.
 const READABLE: &str = "PNG, EXR, HDR, JPEG, TIFF or WebP";
-
-/// A picture as a reader for one kind gives it.
-pub(super) struct Decoded {
-    pub(super) picture: Picture,
-    /// Words of the file; [`read`] adds kind and size.
-    pub(super) statement: Statement,
-    /// Largest code of a channel; `None` for floats.
-    pub(super) largest_code: Option<u32>,
-    /// Channels that became the picture, 1 to 3.
-    pub(super) channels: usize,
-}
 
 /// Reads a picture file of any kind, as it says it is meant and as `wishes` decide otherwise.
 ///

@@ -10,9 +10,9 @@ use tiff::{ColorType, TiffError};
 use super::codes::{collect_pixels, colours_of, decode_table, name_channels};
 use super::colour::Transfer;
 use super::colour_words::ColourWords;
+use super::decoded::Decoded;
 use super::icc::profile_words;
 use super::orientation::Orientation;
-use super::read::Decoded;
 use super::statement::{Purpose, Statement, Wishes};
 use super::{MAX_PIXELS, Picture, PictureError, check_finite, check_size};
 

@@ -8,8 +8,8 @@ use image_webp::{DecodingError, WebPDecoder};
 use super::codes::{collect_pixels, decode_table, name_channels};
 use super::colour::Transfer;
 use super::colour_words::ColourWords;
+use super::decoded::Decoded;
 use super::icc::profile_words;
-use super::read::Decoded;
 use super::statement::{Purpose, Statement, Wishes};
 use super::{MAX_PIXELS, Picture, PictureError, check_size};
 

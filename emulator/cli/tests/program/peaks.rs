@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
+use roughxel_assets::picture::write_png_codes;
 use roughxel_peaks::{Horizon, PeakLevel, PeakPyramid};
 use roughxel_scene::Scene;
 
@@ -55,6 +56,7 @@ fn scenes_that_cannot_shine_name_line_and_remedy() {
     let directory = tempfile::tempdir().unwrap();
     let home = directory.path();
     grey(&home.join("large.png"), 1025, 1024, |_| 7);
+    write_png_codes(&home.join("normals.png"), [1025, 1024], &[128, 128, 255].repeat(1025 * 1024)).unwrap();
     grey(&home.join("small.png"), 4, 4, |index| index as u8);
     exr::prelude::write_rgb_file(home.join("high.exr"), 2, 2, |x, _| (1e9 * x as f32, 0.0, 0.0)).unwrap();
     let given = |peak: &str| format!("peaks = {{ given = [{{ {peak} }}] }}");
@@ -73,7 +75,7 @@ fn scenes_that_cannot_shine_name_line_and_remedy() {
         (LIGHT, "highlight = { exponent = 0 }".into(), 7, "out of range", "from 1 to 8192"),
         (LIGHT, "peaks = {}".into(), 7, "no bumps", "add `height_map`"),
         (LIGHT, "height_map = { path = \"large.png\" }\npeaks = {}".into(), 7, "1025×1024", "make the map smaller"),
-        (LIGHT, "normal_map = { path = \"large.png\" }\npeaks = {}".into(), 7, "1025×1024", "make the map smaller"),
+        (LIGHT, "normal_map = { path = \"normals.png\" }\npeaks = {}".into(), 7, "1025×1024", "make the map smaller"),
         (
             LIGHT,
             "normal_map = { path = \"small.png\" }\npeaks = { shadowing = true }".into(),

@@ -60,7 +60,8 @@ pub(super) fn knot() -> String {
             };
             let (a, b) = (index(ring, corner), index(ring + 1, corner));
             let (c, d) = (index(ring + 1, corner + 1), index(ring, corner + 1));
-            let _ = writeln!(text, "f {a} {b} {c} {d}");
+            // Two triangles: a vertex has the mean normal of six of them.
+            let _ = writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}");
         }
     }
     text
