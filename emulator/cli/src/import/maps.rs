@@ -155,7 +155,7 @@ pub(super) fn material(
             maps.colour = [1.0; 3];
             let mut codes = Vec::new();
             each(size, |x, y| {
-                codes.extend(textures.shown(x, y, size, maps.reflectance).map(|light| linear_to_srgb8(light as f32)))
+                codes.extend(textures.shown(x, y, size, maps.reflectance).map(|light| linear_to_srgb8(light as f32)));
             });
             maps.colour_map = Some(write_map(folder, &format!("colour_{number}.png"), size, Samples::Srgb8(&codes))?);
         }
