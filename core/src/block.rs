@@ -83,21 +83,21 @@ impl<W: Word, const N: usize> Block<W, N> {
 
     /// Block times a number, rounded once.
     #[inline(always)]
-    pub fn times(&self, k: &Number<W>, keep: u32) -> Self {
-        normalise(each!(m in self.m => m.mul::<MANTISSA, PRODUCT>(k.m[0])), self.e + k.e, keep)
+    pub fn times(&self, k: &Number<W>, fraction_bits: u32) -> Self {
+        normalise(each!(m in self.m => m.mul::<MANTISSA, PRODUCT>(k.m[0])), self.e + k.e, fraction_bits)
     }
 
     /// |a|² over the components, rounded once.
     #[inline(always)]
-    pub fn square_length(&self, keep: u32) -> Number<W> {
-        number(dot(&self.m, &self.m), self.e + self.e, keep)
+    pub fn square_length(&self, fraction_bits: u32) -> Number<W> {
+        number(dot(&self.m, &self.m), self.e + self.e, fraction_bits)
     }
 
-    /// Mantissas at a larger exponent, rounded at `keep` fraction bits.
+    /// Mantissas at a larger exponent, rounded at `fraction_bits` fraction bits.
     #[inline(always)]
-    pub fn mantissas_at(&self, e: Int<W>, keep: u32) -> [Mantissa<W>; N] {
+    pub fn mantissas_at(&self, e: Int<W>, fraction_bits: u32) -> [Mantissa<W>; N] {
         let places = places_below(self.e, e, W::BITS - 1);
-        each!(m in self.m => m.round_shr_by(places, keep))
+        each!(m in self.m => m.round_shr_by(places, fraction_bits))
     }
 }
 
@@ -124,22 +124,26 @@ pub fn of_control<W: Word, const N: usize>(block: Block<W::Count, N>) -> Block<W
 
 /// Single number on a wide wire as mantissa and exponent.
 #[inline(always)]
-pub fn number<X: WideWire, const INT: u32>(wide: Fx<X, INT>, e: Fx<X::Count, 32>, keep: u32) -> Number<X::Word> {
-    normalise([wide], e, keep)
+pub fn number<X: WideWire, const INT: u32>(
+    wide: Fx<X, INT>,
+    e: Fx<X::Count, 32>,
+    fraction_bits: u32,
+) -> Number<X::Word> {
+    normalise([wide], e, fraction_bits)
 }
 
 /// Normalises `N` wide numbers `wide[i] · 2^e` to a block whose largest |mantissa| is in [½, 1]: an exact left shift by the common leading bits, then
-/// one rounding to `keep` fraction bits.
+/// one rounding to `fraction_bits` fraction bits.
 ///
 /// Range: any input. The largest mantissa may round up to 1; −1 also occurs exactly.
 #[inline(always)]
 pub fn normalise<X: WideWire, const N: usize, const INT: u32>(
     wide: [Fx<X, INT>; N],
     e: Fx<X::Count, 32>,
-    keep: u32,
+    fraction_bits: u32,
 ) -> Block<X::Word, N> {
     // Shifted, with one bit before the point, the largest number is in [½, 1].
-    let (drop, up) = Fx::<X, 1>::places_to_round::<MANTISSA>(keep);
+    let (drop, up) = Fx::<X, 1>::places_to_round::<MANTISSA>(fraction_bits);
     let (m, zeros, all_zero) = X::normalised(each!(w in wide => w.raw()), drop, up);
     let zeros = Fx::<X::Count, 32>::from_raw(zeros);
     Block {
@@ -160,13 +164,13 @@ pub fn places_below<C: Word<Count = C>>(e: Fx<C, 32>, top: Fx<C, 32>, most: u32)
 #[inline(always)]
 pub fn align<W: Word, const N: usize, const COUNT: usize>(
     blocks: [Block<W, N>; COUNT],
-    keep: u32,
+    fraction_bits: u32,
 ) -> ([[Mantissa<W>; N]; COUNT], Int<W>) {
     let mut top = blocks[0].e;
     for block in &blocks[1..] {
         top = top.max(block.e);
     }
-    (each!(block in blocks => block.mantissas_at(top, keep)), top)
+    (each!(block in blocks => block.mantissas_at(top, fraction_bits)), top)
 }
 
 /// Exact dot product, |·| ≤ N.

@@ -26,10 +26,10 @@ pub const LOGARITHM: u32 = 8;
 /// One Newton correction `y + y·residual·2^−extra`. The residual is below 2^−(k − 3), so it is scaled up by `2^scale` before it is rounded to a
 /// multiplier operand.
 #[inline(always)]
-fn correct<W: Word>(y: Mantissa<W>, residual: Product<W>, scale: u32, extra: u32, keep: u32) -> Mantissa<W> {
-    let operand: Mantissa<W> = residual.shl(scale).round_to(keep);
+fn correct<W: Word>(y: Mantissa<W>, residual: Product<W>, scale: u32, extra: u32, fraction_bits: u32) -> Mantissa<W> {
+    let operand: Mantissa<W> = residual.shl(scale).round_to(fraction_bits);
     let correction: Product<W> = y.mul(operand);
-    (y.widen() + correction.floor_shr(scale + extra)).round_to(keep)
+    (y.widen() + correction.floor_shr(scale + extra)).round_to(fraction_bits)
 }
 
 /// Scale of the residual after one more step: no finer than a mantissa.
@@ -92,9 +92,9 @@ pub fn half_inverse_root<W: Word>(x: Mantissa<W>, p: &Precision) -> Mantissa<W> 
 
 /// A number ≥ 0 as x in [¼, 1] and h with value x · 4^h.
 #[inline(always)]
-fn even_exponent<W: Word>(x: Number<W>, keep: u32) -> (Mantissa<W>, Int<W>) {
+fn even_exponent<W: Word>(x: Number<W>, fraction_bits: u32) -> (Mantissa<W>, Int<W>) {
     let odd = x.e - x.e.floor_shr(1).shl(1);
-    (x.m[0].round_shr_by(odd, keep), (x.e + odd).floor_shr(1))
+    (x.m[0].round_shr_by(odd, fraction_bits), (x.e + odd).floor_shr(1))
 }
 
 /// `√x` and `1/√x` of a number ≥ 0, from one inverse root.
@@ -135,11 +135,11 @@ fn between<W: Word, const INT: u32, const OUT: u32>(
 /// Share of the interval after its knot that a number covers, in [0, 1), for 2^`places` intervals a unit. It is 0 on words without a bit below these
 /// places.
 #[inline(always)]
-fn share_of_interval<W: Word, const INT: u32>(within: Fx<W, INT>, places: u32, keep: u32) -> Mantissa<W> {
+fn share_of_interval<W: Word, const INT: u32>(within: Fx<W, INT>, places: u32, fraction_bits: u32) -> Mantissa<W> {
     if Fx::<W, INT>::FRACTION < places {
         return Fx::zero();
     }
-    within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(keep)
+    within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(fraction_bits)
 }
 
 /// `log₂ m` for a mantissa m in [½, 1], in [−1, 0], 24 fraction bits. m below ½ reads as ½.
@@ -188,28 +188,28 @@ const RATIO: u32 = 6;
 /// Below ½ it is y times a tabulated ratio, so a tiny y keeps its accuracy; above, it is the logarithm of 1 − y.
 #[inline(always)]
 pub fn minus_log2_one_minus<W: Word>(y: Wide<W, VERSINE>, p: &Precision) -> Number<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let (one, half): (Wide<W, VERSINE>, Wide<W, VERSINE>) = (Fx::int(1), Fx::number(1, -1));
-    let scaled = number(y, Fx::int(0), keep);
+    let scaled = number(y, Fx::int(0), fraction_bits);
     let below_half = y.saturate(Fx::zero(), half - Fx::lit(1)).floor_shr(W::BITS - (VERSINE - MANTISSA));
     let below_half: Mantissa<W> = Fx::from_raw(W::narrow(below_half.raw()));
     let index = below_half.index(rom::LOG_BITS + 1);
     let within = below_half - Fx::of_index(index, rom::LOG_BITS + 1);
-    let fraction = share_of_interval(within, rom::LOG_BITS + 1, keep);
+    let fraction = share_of_interval(within, rom::LOG_BITS + 1, fraction_bits);
     let knot: Control<W, RATIO> = Fx::lookup(index, &rom::HALF_LOG2_ONE_MINUS_RATIO);
     let next: Control<W, RATIO> = Fx::lookup(index + Fx::int(1), &rom::HALF_LOG2_ONE_MINUS_RATIO);
     let rise = (next - knot).claim_below(-9, "knots_of_log2_one_minus_rise_by_less_than_2_to_the_minus_9");
     let rise: Wide<W, { RATIO + MANTISSA }> = between(rise, -9, fraction);
-    let half_ratio: Mantissa<W> = (Fx::wide_of_control(knot) + rise).round_to(keep);
+    let half_ratio: Mantissa<W> = (Fx::wide_of_control(knot) + rise).round_to(fraction_bits);
     let near: Product<W> = scaled.m[0].mul(half_ratio);
 
-    let rest = number((one - y).max(Fx::zero()), Fx::int(0), keep);
+    let rest = number((one - y).max(Fx::zero()), Fx::int(0), fraction_bits);
     let log = log2(rest.m[0], p) + Fx::of_index(rest.e.saturate(Fx::int(-63), Fx::int(0)), 0);
     // At most 64: 2^12 above the binary point of a product leaves it in [−1, 1].
     let far: Product<W> = Wide::<W, { PRODUCT + 12 }>::wide_of_control(-log).reread();
 
     let is_far = y.ge(half);
-    number(Fx::select(is_far, far, near), Fx::select(is_far, Fx::int(12), scaled.e + Fx::int(1)), keep)
+    number(Fx::select(is_far, far, near), Fx::select(is_far, Fx::int(12), scaled.e + Fx::int(1)), fraction_bits)
 }
 
 /// `cosⁿ` = 2^(n·log₂(1 − y)) of y = 1 − cos ≥ 0 and n = n.m·2^n.e, n.e in 0…14. It is 0 if y ≥ 1 and 1 if y = 0.
@@ -240,14 +240,14 @@ pub fn short_number<W: Word>(code: Int<W>) -> Number<W> {
     Block { m: [Fx::of_index(m, 13)], e: (c - Fx::int(1)).max(Fx::int(0)) }
 }
 
-/// `1 + x` of a number ≥ 0, rounded to `keep` fraction bits of its mantissa.
+/// `1 + x` of a number ≥ 0, rounded to `fraction_bits` fraction bits of its mantissa.
 #[inline(always)]
-pub fn one_plus<W: Word>(x: Number<W>, keep: u32) -> Number<W> {
+pub fn one_plus<W: Word>(x: Number<W>, fraction_bits: u32) -> Number<W> {
     let top = x.e.max(Fx::int(0));
     let most = <W::Wide as Wire>::BITS - 1;
     let unit = Product::<W>::int(1).floor_shr_by(places_below(Fx::int(0), top, most));
     let sum = unit + x.m[0].widen().floor_shr_by(places_below(x.e, top, most));
-    number(sum, top, keep)
+    number(sum, top, fraction_bits)
 }
 
 /// `log₂(1 + x)` of a number ≥ 0, as accurate for tiny x as for large ones: below 1 it comes from a table of its ratio to x.
@@ -255,24 +255,24 @@ pub fn one_plus<W: Word>(x: Number<W>, keep: u32) -> Number<W> {
 /// Relative error: 2^−(p−0.9) + 2^−18.4 at every exponent. x = 0 gives 0.
 #[inline(always)]
 pub fn log2_one_plus<W: Word>(x: Number<W>, p: &Precision) -> Number<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let place = x.m[0].floor_shr_by(places_below(x.e, Fx::int(0), W::BITS - 1));
     let place = place.saturate(Fx::zero(), Fx::below(1));
     let index = place.index(rom::LOG_BITS);
     let within = place - Fx::of_index(index, rom::LOG_BITS);
-    let fraction = share_of_interval(within, rom::LOG_BITS, keep);
+    let fraction = share_of_interval(within, rom::LOG_BITS, fraction_bits);
     let table = &rom::HALF_LOG2_ONE_PLUS_RATIO;
     let knot: Control<W, RATIO> = Fx::lookup(index, table);
     let next: Control<W, RATIO> = Fx::lookup(index + Fx::int(1), table);
     let fall = (knot - next).claim_below(-9, "knots_of_log2_one_plus_fall_by_less_than_2_to_the_minus_9");
     let fall: Wide<W, { RATIO + MANTISSA }> = between(fall, -9, fraction);
-    let half_ratio: Mantissa<W> = (Fx::wide_of_control(knot) - fall).round_to(keep);
-    let below_one = number(x.m[0].mul::<MANTISSA, PRODUCT>(half_ratio), x.e + Fx::int(1), keep);
+    let half_ratio: Mantissa<W> = (Fx::wide_of_control(knot) - fall).round_to(fraction_bits);
+    let below_one = number(x.m[0].mul::<MANTISSA, PRODUCT>(half_ratio), x.e + Fx::int(1), fraction_bits);
 
     // Every bit of the sum addresses the table; log₂ keeps p bits of the rest.
     let sum = one_plus(x, Mantissa::<W>::FRACTION);
     // Any exponent with 24 fraction bits needs a wide wire.
     let from_one = sum.e.widen::<40>() + log2(sum.m[0], p).widen();
-    let from_one = of_control(number(from_one, Fx::int(0), keep));
+    let from_one = of_control(number(from_one, Fx::int(0), fraction_bits));
     Block::select(x.e.lt(Fx::int(1)), below_one, from_one)
 }

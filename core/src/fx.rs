@@ -203,28 +203,28 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
         Fx(self.0.widen().shl(W::BITS - (OUT - INT)))
     }
 
-    /// The value rounded to nearest (ties up) at `keep` fraction bits.
+    /// The value rounded to nearest (ties up) at `fraction_bits` fraction bits.
     #[inline(always)]
     #[track_caller]
-    pub fn keep(self, keep: u32) -> Self {
-        if W::WHOLE || keep >= Self::FRACTION {
+    pub fn keep(self, fraction_bits: u32) -> Self {
+        if W::WHOLE || fraction_bits >= Self::FRACTION {
             return self;
         }
-        let drop = Self::FRACTION - keep;
+        let drop = Self::FRACTION - fraction_bits;
         Self(self.0.sar(drop - 1).add(W::lit(1)).sar(1).shl(drop))
     }
 
-    /// `self / 2^k`, rounded to nearest (ties up) at `keep` fraction bits, for a value already kept to `keep` bits. The count `k` is on a wire and
-    /// below the width of the word. Range: if the word has no more than `keep` bits, below its largest.
+    /// `self / 2^k`, rounded to nearest (ties up) at `fraction_bits` fraction bits, for a value already kept to that many bits. The count `k` is on a wire and
+    /// below the width of the word. Range: if the word has no more than `fraction_bits` bits, below its largest.
     #[inline(always)]
     #[track_caller]
-    pub fn round_shr_by(self, k: Fx<W::Count, 32>, keep: u32) -> Self {
-        if W::WHOLE || keep >= Self::FRACTION {
+    pub fn round_shr_by(self, k: Fx<W::Count, 32>, fraction_bits: u32) -> Self {
+        if W::WHOLE || fraction_bits >= Self::FRACTION {
             // No bit is free for doubling, so one place less is shifted first.
             let before = self.0.sar_by((k - Fx::int(1)).max(Fx::zero()).raw());
             return Self::select(k.is_zero(), self, Self(before.add(W::lit(1)).sar(1)));
         }
-        let unit = Self::FRACTION - keep;
+        let unit = Self::FRACTION - fraction_bits;
         let doubled = self.0.sar(unit).shl(1);
         Self(doubled.sar_by(k.raw()).add(W::lit(1)).sar(1).shl(unit))
     }
@@ -290,38 +290,38 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
 }
 
 impl<X: WideWire, const INT: u32> Fx<X, INT> {
-    /// Narrows a wide wire, the one place where a value is rounded: to nearest, ties towards +∞, at `keep` fraction bits, as a word with `OUT` bits
-    /// before its binary point. Range: the result fits the word. `keep` is capped at the fraction bits of the word, which has fewer than the wide
+    /// Narrows a wide wire, the one place where a value is rounded: to nearest, ties towards +∞, at `fraction_bits` fraction bits, as a word with `OUT` bits
+    /// before its binary point. Range: the result fits the word. `fraction_bits` is capped at the fraction bits of the word, which has fewer than the wide
     /// wire.
     #[inline(always)]
     #[track_caller]
-    pub fn round_to<const OUT: u32>(self, keep: u32) -> Fx<X::Word, OUT> {
-        let (drop, up) = Self::places_to_round::<OUT>(keep);
+    pub fn round_to<const OUT: u32>(self, fraction_bits: u32) -> Fx<X::Word, OUT> {
+        let (drop, up) = Self::places_to_round::<OUT>(fraction_bits);
         Fx(X::Word::round(self.0, drop, up))
     }
 
     /// Number of places that narrowing drops, and how many places of the word it then clears, as [`Word::round`] takes them.
     #[inline(always)]
-    pub fn places_to_round<const OUT: u32>(keep: u32) -> (u32, u32) {
+    pub fn places_to_round<const OUT: u32>(fraction_bits: u32) -> (u32, u32) {
         let fraction = Fx::<X::Word, OUT>::FRACTION;
         const { assert!(Self::FRACTION > Fx::<X::Word, OUT>::FRACTION, "rounding drops at least one bit") }
-        let keep = if X::Word::WHOLE || keep >= fraction { fraction } else { keep };
-        (Self::FRACTION - fraction, fraction - keep)
+        let fraction_bits = if X::Word::WHOLE || fraction_bits >= fraction { fraction } else { fraction_bits };
+        (Self::FRACTION - fraction, fraction - fraction_bits)
     }
 
     /// Narrows as [`Self::round_to`] does, to a control number with as many of its fraction bits as the wide wire has. On narrow words these are more
     /// than a word would have.
     #[inline(always)]
     #[track_caller]
-    pub fn round_to_control<const OUT: u32>(self, keep: u32) -> Fx<X::Count, OUT> {
+    pub fn round_to_control<const OUT: u32>(self, fraction_bits: u32) -> Fx<X::Count, OUT> {
         if X::Word::BITS == X::Count::BITS {
-            return self.round_to::<OUT>(keep).to_control();
+            return self.round_to::<OUT>(fraction_bits).to_control();
         }
         let (from, to) = (Self::FRACTION, X::Count::BITS - OUT);
-        if from <= keep {
+        if from <= fraction_bits {
             return Fx(self.0.wide_to_count().shl(to - from));
         }
-        Fx(self.0.sar(from - keep - 1).add(X::lit(1)).sar(1).wide_to_count().shl(to - keep))
+        Fx(self.0.sar(from - fraction_bits - 1).add(X::lit(1)).sar(1).wide_to_count().shl(to - fraction_bits))
     }
 
     /// Control number on the wide wire, floored to its last place. Range: it fits.

@@ -336,13 +336,13 @@ pub fn bump<W: Staged>(mean: &BumpMoments<W>, scale: &BumpScale<W>, kind: Roughn
         }
     };
     stage!("pixel.bump", {
-        let keep = Fx::<W, OFFSET>::FRACTION;
+        let fraction_bits = Fx::<W, OFFSET>::FRACTION;
         // A mantissa has two more fraction bits than a port.
         let e = scale.exponent - Fx::int(2);
-        let offset = each!(b in mean.offset => Fx::of_control::<OFFSET>(pixel::bump(b, e, keep)));
+        let offset = each!(b in mean.offset => Fx::of_control::<OFFSET>(pixel::bump(b, e, fraction_bits)));
         let roughness = match d {
             None => [Fx::zero(); 3],
-            Some(d) => each!(d in d => Fx::of_control::<OFFSET>(pixel::bump(d, scale.exponent, keep))),
+            Some(d) => each!(d in d => Fx::of_control::<OFFSET>(pixel::bump(d, scale.exponent, fraction_bits))),
         };
         Bump { offset, roughness }
     })

@@ -21,20 +21,20 @@ const WITHIN_FOUR: u32 = PRODUCT + 2;
 /// Main axes of an ellipse. K = 0 gives λ₁ = λ₂ = 0 and direction (1, 0).
 #[inline(always)]
 pub fn axes<W: Word>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let [a, b, c] = ellipse.k.m;
     // (a − c, 2b) is the doubled-angle vector; h its length.
     let difference: Product<W> = a.widen() - c.widen();
-    let double = normalise([difference, b.widen::<PRODUCT>().shl(1)], Fx::int(0), keep);
-    let (h, _) = root_and_inverse(double.square_length(keep), p);
+    let double = normalise([difference, b.widen::<PRODUCT>().shl(1)], Fx::int(0), fraction_bits);
+    let (h, _) = root_and_inverse(double.square_length(fraction_bits), p);
 
     // λ₁² with 6 bits before the point: (a + c)/2 ≤ 1, h/2 ≤ 1; h = m·2^e with e ≤ 2 (h ≤ a + c ≤ 2).
     let mean: Wide<W, WITHIN_FOUR> = (a.widen() + c.widen()).floor_shr(1);
     let half_h = h.at_point::<WITHIN_FOUR>().floor_shr(1);
-    let lambda_square = number(mean + half_h, ellipse.k.e, keep);
+    let lambda_square = number(mean + half_h, ellipse.k.e, fraction_bits);
     let (major, inverse) = root_and_inverse(lambda_square, p);
     let (root_det, _) = root_and_inverse(ellipse.det, p);
-    let minor = root_det.times(&inverse, keep);
+    let minor = root_det.times(&inverse, fraction_bits);
     let swapped = less(&major, &minor);
     Axes { major, minor: Block::select(swapped, major, minor), direction: direction(&double, &h, p) }
 }

@@ -38,9 +38,9 @@ pub fn column<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3
 /// dr of one pair (dv, dn).
 #[inline(always)]
 pub fn derivative<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<W, 3>, p: &Precision) -> Block<W, 3> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let Mirror { normal, view, reflected, .. } = mirror;
-    let ([u, w], e_pair) = align([dv.scaled(normal.e), dn.scaled(view.e)], keep);
+    let ([u, w], e_pair) = align([dv.scaled(normal.e), dn.scaled(view.e)], fraction_bits);
 
     // ⟨v·n⟩ and |n|² come back to the scale of the exact products; all four have 6 bits before the point and are below 8.
     let products = [dot(&normal.m, &u) + dot(&view.m, &w), dot(&normal.m, &w)];
@@ -48,7 +48,7 @@ pub fn derivative<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<
     let up = (reflected.scalars.e + Fx::int(2)).saturate(Fx::int(0), Fx::int(4));
     let down = Fx::int(4) - up;
     let scalars: [Wide<W, 6>; 2] = each!(m in reflected.scalars.m => m.widen::<PRODUCT>().reread().floor_shr_by(down));
-    let four = normalise([products[0], products[1], scalars[0], scalars[1]], Fx::int(0), keep);
+    let four = normalise([products[0], products[1], scalars[0], scalars[1]], Fx::int(0), fraction_bits);
     let [n_dv_v_dn, n_dn, n_v, n_n] = four.m;
 
     let dr = each!(i in [0, 1, 2] => {
@@ -57,7 +57,7 @@ pub fn derivative<W: Word>(mirror: &Mirror<'_, W>, dv: &Block<W, 3>, dn: &Block<
         half.shl(1) - u[i].mul(n_n)
     });
     // The alignment has already applied one exponent, of n or of v, to each member of the pair.
-    normalise(dr, e_pair + four.e + normal.e, keep)
+    normalise(dr, e_pair + four.e + normal.e, fraction_bits)
 }
 
 /// (ds_c − s·dm, dt_c − t·dm).
@@ -91,16 +91,16 @@ bundle! {
 /// Tangent plane at a point of the cube.
 #[inline(always)]
 pub fn tangent_plane<W: Word>(point: &CubePoint<W>, p: &Precision) -> TangentPlane<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     // ρ²/4 in [¼, ¾].
-    let quarter: Mantissa<W> = (dot(&point.st, &point.st) + Fx::int(1)).floor_shr(2).round_to(keep);
+    let quarter: Mantissa<W> = (dot(&point.st, &point.st) + Fx::int(1)).floor_shr(2).round_to(fraction_bits);
     let inverse = half_inverse_root(quarter, p);
     // (1 + ρ)/4 in [½, 0.69], for ρ = ρ²/ρ.
-    let sum: Mantissa<W> = (quarter.mul::<MANTISSA, PRODUCT>(inverse) + Fx::number(1, -2)).round_to(keep);
-    let twice: Mantissa<W> = inverse.mul::<MANTISSA, PRODUCT>(half_reciprocal(sum, p)).round_to(keep);
+    let sum: Mantissa<W> = (quarter.mul::<MANTISSA, PRODUCT>(inverse) + Fx::number(1, -2)).round_to(fraction_bits);
+    let twice: Mantissa<W> = inverse.mul::<MANTISSA, PRODUCT>(half_reciprocal(sum, p)).round_to(fraction_bits);
     TangentPlane {
-        scale: point.half_reciprocal.mul::<MANTISSA, PRODUCT>(inverse).round_to(keep),
-        pull: each!(s in point.st => s.mul::<MANTISSA, PRODUCT>(twice).floor_shr(1).round_to(keep)),
+        scale: point.half_reciprocal.mul::<MANTISSA, PRODUCT>(inverse).round_to(fraction_bits),
+        pull: each!(s in point.st => s.mul::<MANTISSA, PRODUCT>(twice).floor_shr(1).round_to(fraction_bits)),
     }
 }
 
@@ -112,15 +112,15 @@ pub fn on_sphere<W: Word>(
     dr: &Block<W, 3>,
     p: &Precision,
 ) -> Block<W, 2> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let numerator = across(mirror.point, dr, p);
     // At most 2; half of it fits.
-    let half_outwards: Mantissa<W> = dot(&mirror.point.st, &numerator.m).floor_shr(1).round_to(keep);
+    let half_outwards: Mantissa<W> = dot(&mirror.point.st, &numerator.m).floor_shr(1).round_to(fraction_bits);
     let turned = each!((m, pull) in [(numerator.m[0], plane.pull[0]), (numerator.m[1], plane.pull[1])] => {
         let half_pulled: Product<W> = pull.mul(half_outwards);
         m.widen() - half_pulled.shl(1)
     });
-    let turned = normalise(turned, numerator.e, keep);
+    let turned = normalise(turned, numerator.e, fraction_bits);
     let q = each!(m in turned.m => m.mul::<MANTISSA, PRODUCT>(plane.scale));
-    over(mirror.reflected, normalise(q, turned.e + Fx::int(1) - mirror.reflected.r.e, keep))
+    over(mirror.reflected, normalise(q, turned.e + Fx::int(1) - mirror.reflected.r.e, fraction_bits))
 }

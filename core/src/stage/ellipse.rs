@@ -31,8 +31,8 @@ pub fn pixel_columns<W: Word, const N: usize, const COLUMNS: usize>(
 /// Ellipse of `COLUMNS` columns (2 or 4), each a covariance's square root.
 #[inline(always)]
 pub fn ellipse<W: Word, const COLUMNS: usize>(columns: [Block<W, 2>; COLUMNS], p: &Precision) -> Ellipse<W> {
-    let keep = p.fraction_bits;
-    let (q, e) = align(columns, keep);
+    let fraction_bits = p.fraction_bits;
+    let (q, e) = align(columns, fraction_bits);
     let sums = each!((i, j) in [(0, 0), (0, 1), (1, 1)] => {
         let mut sum: Product<W> = Fx::zero();
         for column in &q {
@@ -47,7 +47,7 @@ pub fn ellipse<W: Word, const COLUMNS: usize>(columns: [Block<W, 2>; COLUMNS], p
             _ => Fx::zero(),
         }
     });
-    let minors = normalise(minors, e + e, keep);
+    let minors = normalise(minors, e + e, fraction_bits);
     let squares = dot(&minors.m, &minors.m);
-    Ellipse { k: normalise(sums, e + e, keep), det: number(squares, minors.e + minors.e, keep) }
+    Ellipse { k: normalise(sums, e + e, fraction_bits), det: number(squares, minors.e + minors.e, fraction_bits) }
 }

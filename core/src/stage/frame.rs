@@ -18,7 +18,7 @@ use crate::word::Word;
 /// Pole (n ∥ h, or either zero): the unit axis on which |n| is smallest stands in for h; ties take x before y before z. n = 0 gives a zero basis.
 #[inline(always)]
 pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) -> TangentFrame<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let h_cross_n = cross(&h.m, &n.m);
     let [x, y, z] = each!(c in h_cross_n => c.is_zero());
     let pole = x & y & z;
@@ -29,24 +29,24 @@ pub fn main_direction<W: Word>(n: &Block<W, 3>, h: &Block<W, 3>, p: &Precision) 
         || axis_cross_n(&n.m),
     );
     let tangent = each!(i in [0, 1, 2] => Fx::select(pole, stand_in[i], h_cross_n[i]));
-    let c = normalise(tangent, Fx::int(0), keep);
-    let d = normalise(cross(&n.m, &c.m), c.e, keep);
-    let inverse_length = inverse_root(c.square_length(keep), p);
-    let normal_length = root_and_inverse(n.square_length(keep), p).0.scaled(-n.e);
-    let ratio = inverse_length.times(&normal_length, keep);
-    TangentFrame { e1: c.times(&ratio, keep), e2: d.times(&inverse_length, keep), pole }
+    let c = normalise(tangent, Fx::int(0), fraction_bits);
+    let d = normalise(cross(&n.m, &c.m), c.e, fraction_bits);
+    let inverse_length = inverse_root(c.square_length(fraction_bits), p);
+    let normal_length = root_and_inverse(n.square_length(fraction_bits), p).0.scaled(-n.e);
+    let ratio = inverse_length.times(&normal_length, fraction_bits);
+    TangentFrame { e1: c.times(&ratio, fraction_bits), e2: d.times(&inverse_length, fraction_bits), pole }
 }
 
 /// System 1: E₁ = (n×p_v)/|p_u×p_v|, E₂ = (p_u×n)/|p_u×p_v|. Pole (p_u ∥ p_v): zero basis.
 #[inline(always)]
 pub fn natural<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precision) -> TangentFrame<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let [u, v] = tangents;
-    let c = normalise(cross(&u.m, &v.m), u.e + v.e, keep);
+    let c = normalise(cross(&u.m, &v.m), u.e + v.e, fraction_bits);
     let pole = c.is_zero();
-    let inverse_length = inverse_root(c.square_length(keep), p);
+    let inverse_length = inverse_root(c.square_length(fraction_bits), p);
     let [e1, e2] = each!((a, b, e) in [(n, v, v.e), (u, n, u.e)] => {
-        let block = normalise(cross(&a.m, &b.m), e, keep).times(&inverse_length, keep);
+        let block = normalise(cross(&a.m, &b.m), e, fraction_bits).times(&inverse_length, fraction_bits);
         Block::select(pole, Block::zero(), block)
     });
     TangentFrame { e1, e2, pole }
@@ -55,15 +55,15 @@ pub fn natural<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precis
 /// System 2: the directions of system 1, both of length |n|. Pole (n ∥ p_u or n ∥ p_v): zero basis.
 #[inline(always)]
 pub fn natural_normalised<W: Word>(n: &Block<W, 3>, tangents: &[Block<W, 3>; 2], p: &Precision) -> TangentFrame<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let [u, v] = tangents;
-    let s_u = normalise(cross(&n.m, &v.m), Fx::int(0), keep);
-    let s_v = normalise(cross(&u.m, &n.m), Fx::int(0), keep);
+    let s_u = normalise(cross(&n.m, &v.m), Fx::int(0), fraction_bits);
+    let s_v = normalise(cross(&u.m, &n.m), Fx::int(0), fraction_bits);
     let pole = s_u.is_zero() | s_v.is_zero();
-    let normal_length = root_and_inverse(n.square_length(keep), p).0.scaled(-n.e);
+    let normal_length = root_and_inverse(n.square_length(fraction_bits), p).0.scaled(-n.e);
     let [e1, e2] = each!(s in [s_u, s_v] => {
-        let ratio = inverse_root(s.square_length(keep), p).times(&normal_length, keep);
-        Block::select(pole, Block::zero(), s.times(&ratio, keep))
+        let ratio = inverse_root(s.square_length(fraction_bits), p).times(&normal_length, fraction_bits);
+        Block::select(pole, Block::zero(), s.times(&ratio, fraction_bits))
     });
     TangentFrame { e1, e2, pole }
 }

@@ -13,9 +13,9 @@ use crate::word::{Wire, Word};
 /// Half vector of l and v, both of any length. It is zero if either is zero, or if l = −v.
 #[inline(always)]
 pub fn half<W: Word>(light: &Block<W, 3>, view: &Block<W, 3>, p: &Precision) -> Block<W, 3> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let directions = [light, view];
-    let inverse = each!(d in directions => inverse_root(number(dot(&d.m, &d.m), Fx::int(0), keep), p));
+    let inverse = each!(d in directions => inverse_root(number(dot(&d.m, &d.m), Fx::int(0), fraction_bits), p));
     let top = inverse[0].e.max(inverse[1].e);
     let most = <W::Wide as Wire>::BITS - 1;
     let sum = each!(axis in [0, 1, 2] => {
@@ -25,5 +25,5 @@ pub fn half<W: Word>(light: &Block<W, 3>, view: &Block<W, 3>, p: &Precision) -> 
         l + v
     });
     let none = light.is_zero() | view.is_zero();
-    Block::select(none, Block::zero(), normalise(sum, top, keep))
+    Block::select(none, Block::zero(), normalise(sum, top, fraction_bits))
 }

@@ -36,28 +36,28 @@ pub fn spread<W: Word>(
     shininess: &Shininess<W>,
     p: &Precision,
 ) -> Spread<W> {
-    let keep = p.fraction_bits;
-    let inverse = inverse_root(number(dot(&normal.m, &normal.m), Fx::int(0), keep), p);
-    let scale = shininess.root.times(&inverse, keep);
+    let fraction_bits = p.fraction_bits;
+    let inverse = inverse_root(number(dot(&normal.m, &normal.m), Fx::int(0), fraction_bits), p);
+    let scale = shininess.root.times(&inverse, fraction_bits);
     let rough = each!(c in *rough => {
-        normalise(each!(m in c.m => m.mul::<MANTISSA, PRODUCT>(scale.m[0])), c.e + scale.e - normal.e, keep)
+        normalise(each!(m in c.m => m.mul::<MANTISSA, PRODUCT>(scale.m[0])), c.e + scale.e - normal.e, fraction_bits)
     });
     let [q1, q2] = rough;
     // |n|·(n̂×q) and |n|·(n̂·(q₁×q₂)), of the mantissas of n.
-    let across = each!(q in rough => normalise(cross(&normal.m, &q.m), q.e, keep));
-    let area = normalise(cross(&q1.m, &q2.m), q1.e + q2.e, keep);
-    let area = number(dot(&normal.m, &area.m), area.e, keep);
+    let across = each!(q in rough => normalise(cross(&normal.m, &q.m), q.e, fraction_bits));
+    let area = normalise(cross(&q1.m, &q2.m), q1.e + q2.e, fraction_bits);
+    let area = number(dot(&normal.m, &area.m), area.e, fraction_bits);
     let top = across[0].e.max(across[1].e).max(area.e);
-    let mut sum = square(&area, top, keep);
+    let mut sum = square(&area, top, fraction_bits);
     for u in &across {
-        sum = sum + square(u, top, keep);
+        sum = sum + square(u, top, fraction_bits);
     }
-    let growth = number(sum, top + top, keep);
-    let growth = growth.times(&inverse.times(&inverse, keep), keep);
+    let growth = number(sum, top + top, fraction_bits);
+    let growth = growth.times(&inverse.times(&inverse, fraction_bits), fraction_bits);
 
     // The root of exactly 1 is 1 only within its error.
-    let amplitude = Block::select(growth.is_zero(), Number::one(), inverse_root(one_plus(growth, keep), p));
-    Spread { rough, amplitude, reciprocal: amplitude.times(&amplitude, keep) }
+    let amplitude = Block::select(growth.is_zero(), Number::one(), inverse_root(one_plus(growth, fraction_bits), p));
+    Spread { rough, amplitude, reciprocal: amplitude.times(&amplitude, fraction_bits) }
 }
 
 /// f of one light. A smooth surface has no spread.
@@ -71,26 +71,26 @@ pub fn lobe<W: Word>(
     shininess: &Shininess<W>,
     p: &Precision,
 ) -> Lobe<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let light_below = !Fx::zero().lt(dot(&normal.m, &light.m));
     let cos = dot(&normal_mod.m, &half.m);
     let half_below = !Fx::zero().lt(cos);
 
-    let g = normalise(cross(&normal_mod.m, &half.m), Fx::int(0), keep);
-    let cos = number(cos, Fx::int(0), keep);
+    let g = normalise(cross(&normal_mod.m, &half.m), Fx::int(0), fraction_bits);
+    let cos = number(cos, Fx::int(0), fraction_bits);
     let inverse_cos = Block { m: [half_reciprocal(cos.m[0], p)], e: Fx::int(1) - cos.e };
-    let inverse_square = inverse_cos.times(&inverse_cos, keep);
+    let inverse_square = inverse_cos.times(&inverse_cos, fraction_bits);
     let x = match spread {
-        None => g.square_length(keep).times(&inverse_square, keep),
+        None => g.square_length(fraction_bits).times(&inverse_square, fraction_bits),
         Some(spread) => {
-            let along = each!(q in spread.rough => number(dot(&g.m, &q.m), g.e + q.e, keep));
+            let along = each!(q in spread.rough => number(dot(&g.m, &q.m), g.e + q.e, fraction_bits));
             let top = g.e.max(along[0].e).max(along[1].e);
-            let mut sum = square(&g, top, keep);
+            let mut sum = square(&g, top, fraction_bits);
             for a in &along {
-                sum = sum + square(a, top, keep);
+                sum = sum + square(a, top, fraction_bits);
             }
-            let inverse = inverse_square.times(&spread.reciprocal, keep);
-            number(sum, top + top, keep).times(&inverse, keep)
+            let inverse = inverse_square.times(&spread.reciprocal, fraction_bits);
+            number(sum, top + top, fraction_bits).times(&inverse, fraction_bits)
         }
     };
 
@@ -115,7 +115,7 @@ pub fn lobe<W: Word>(
 
 /// Sum of the squares of a block's mantissas at the exponent `top`, at most `N`.
 #[inline(always)]
-fn square<W: Word, const N: usize>(a: &Block<W, N>, top: Int<W>, keep: u32) -> Product<W> {
-    let m = a.mantissas_at(top, keep);
+fn square<W: Word, const N: usize>(a: &Block<W, N>, top: Int<W>, fraction_bits: u32) -> Product<W> {
+    let m = a.mantissas_at(top, fraction_bits);
     dot(&m, &m)
 }

@@ -22,12 +22,12 @@ use crate::word::Word;
 /// z/|x| and z/|y| of a local direction of any length.
 #[inline(always)]
 pub fn slopes<W: Word>(local: &Block<W, 3>, p: &Precision) -> [AxisSlope<W>; 2] {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let [x, y, z] = local.m;
-    let rise = number(z.widen::<PRODUCT>(), Fx::int(0), keep);
+    let rise = number(z.widen::<PRODUCT>(), Fx::int(0), fraction_bits);
     let limit: Wide<W, { PRODUCT + 5 }> = Fx::int(8);
     each!(along in [x, y] => {
-        let run = number(along.abs().widen::<PRODUCT>(), Fx::int(0), keep);
+        let run = number(along.abs().widen::<PRODUCT>(), Fx::int(0), fraction_bits);
         let product: Product<W> = rise.m[0].mul(half_reciprocal(run.m[0], p));
         let e = rise.e - run.e + Fx::int(1);
         // Both factors are in [½, 1]: with an exponent above 5 the slope is beyond 8.

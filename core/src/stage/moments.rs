@@ -112,14 +112,14 @@ pub fn covariance<W: Word>(moments: &Moments<W>, p: &Precision) -> Block<W, 3> {
 /// a rank-1 K) counts as zero.
 #[inline(always)]
 pub fn decompose<W: Word>(k: &Block<W, 3>, p: &Precision) -> [Control<W, OFFSET>; 3] {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let [a, b, c] = k.m;
-    let elements = each!(m in k.m => number(m.widen::<PRODUCT>(), k.e, keep));
+    let elements = each!(m in k.m => number(m.widen::<PRODUCT>(), k.e, fraction_bits));
     let (root_a, _) = root_and_inverse(elements[0], p);
     let (root_c, inverse_c) = root_and_inverse(elements[2], p);
     let det: Product<W> = (a.mul::<MANTISSA, PRODUCT>(c) - b.mul(b)).max(Fx::zero());
-    let (root_det, _) = root_and_inverse(number(det, k.e + k.e, keep), p);
-    let [det_over, b_over] = each!(x in [root_det, elements[1]] => x.times(&inverse_c, keep));
+    let (root_det, _) = root_and_inverse(number(det, k.e + k.e, fraction_bits), p);
+    let [det_over, b_over] = each!(x in [root_det, elements[1]] => x.times(&inverse_c, fraction_bits));
     let flat = c.is_zero();
     let d1 = Block::select(flat, root_a, det_over);
     let d2 = Block::select(flat, Block::zero(), b_over);

@@ -25,17 +25,17 @@ pub fn peak<W: Word>(
     weight: Control<W, SHARE>,
     p: &Precision,
 ) -> Control<W, LIGHT> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     // 1.5² > 2: a clamped component has no cosine above 0, and three squares stay below 2^63.
     let limit: Mantissa<W> = Fx::number(3, -1);
     let difference = each!(i in [0, 1, 2] => {
-        (Mantissa::of_control(peak.normal[i]) - h.unit[i]).saturate(-limit, limit).keep(keep)
+        (Mantissa::of_control(peak.normal[i]) - h.unit[i]).saturate(-limit, limit).keep(fraction_bits)
     });
     let square: Product<W> = dot(&difference, &difference);
     let power = cosine_power(square.reread::<VERSINE>(), short_number::<W>(peak.exponent), p);
     // Codes count in 2^−21: a = m·2^(e − 8).
     let amplitude = short_number::<W>(peak.amplitude).scaled(Fx::int(-8));
-    let product: Mantissa<W> = power.m[0].mul::<MANTISSA, PRODUCT>(amplitude.m[0]).round_to(keep);
+    let product: Mantissa<W> = power.m[0].mul::<MANTISSA, PRODUCT>(amplitude.m[0]).round_to(fraction_bits);
     let weighted: WideControl<W, { MANTISSA + SHARE }> = product.to_control::<MANTISSA>().mul(weight);
     // A power has an exponent of at most 1, and an amplitude of at most 6.
     let at_128: WideControl<W, { MANTISSA + SHARE + 7 }> = weighted.at_exponent(power.e + amplitude.e);

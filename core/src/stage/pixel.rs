@@ -20,18 +20,22 @@ pub fn modulated<W: Word>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control
     product.min(Fx::below(64)).round_to::<LIGHT>(24).min(Fx::below(64))
 }
 
-/// Number in units of 2^`exponent` as a port of the datapath with `keep` fraction bits takes it, ±8: rounded to nearest, saturated. Range: exponent
+/// Number in units of 2^`exponent` as a port of the datapath with `fraction_bits` fraction bits takes it, ±8: rounded to nearest, saturated. Range: exponent
 /// −15…3.
 #[inline(always)]
-pub fn bump<C: Word<Count = C>, const INT: u32>(number: Fx<C, INT>, exponent: Fx<C, 32>, keep: u32) -> Fx<C, OFFSET> {
+pub fn bump<C: Word<Count = C>, const INT: u32>(
+    number: Fx<C, INT>,
+    exponent: Fx<C, 32>,
+    fraction_bits: u32,
+) -> Fx<C, OFFSET> {
     // Four places above, so that one count of places down serves both ways.
     let wide = number.raw().widen().shl(4).sar_by((Fx::int(3) - exponent).raw());
     let rounded = wide.add(Wire::lit(1)).sar(1);
     // The largest number that does not round up to 8.
-    let high = i32::MAX - ((1 << (Fx::<C, OFFSET>::FRACTION - keep)) >> 1);
+    let high = i32::MAX - ((1 << (Fx::<C, OFFSET>::FRACTION - fraction_bits)) >> 1);
     let [low, high] = [i32::MIN, high].map(|end| C::Wide::lit(end.into()));
     let rounded = Fx::<C::Wide, INT>::from_raw(rounded).saturate(Fx::from_raw(low), Fx::from_raw(high));
-    Fx::<C, OFFSET>::from_raw(C::narrow(rounded.raw())).keep(keep)
+    Fx::<C, OFFSET>::from_raw(C::narrow(rounded.raw())).keep(fraction_bits)
 }
 
 /// Colour of a surface with two lobes: the mean of both, floored. Equal lobes give their own colour.

@@ -196,12 +196,12 @@ fn step<W: Word>(
     count: Int<W>,
     p: &Precision,
 ) -> [Control<W, POSITION>; 2] {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let per_sigma: Fx<W, OFFSET> = Fx::lookup(count, &rom::STEP_PER_SIGMA);
     let length: Wide<W, { OFFSET + MANTISSA }> = per_sigma.keep(p.offset_bits()).mul(major.m[0]);
-    let length = number(length, major.e, keep);
+    let length = number(length, major.e, fraction_bits);
     // λ₁ ≤ 2 and 2√3/N < 4: the exponent of the step is at most 3, and 4 fits a position.
-    let product = normalise(each!(d in *direction => d.mul::<MANTISSA, PRODUCT>(length.m[0])), length.e, keep);
+    let product = normalise(each!(d in *direction => d.mul::<MANTISSA, PRODUCT>(length.m[0])), length.e, fraction_bits);
     each!(m in product.m => {
         let at_eight: Wide<W, { PRODUCT + 3 }> = m.widen::<PRODUCT>().at_exponent(product.e);
         at_eight.claim(-7, 7, 0, "a_step_is_below_seven_map_units").round_to_control(28)

@@ -15,8 +15,8 @@ const TERM: u32 = OFFSET + MANTISSA;
 
 /// A number times a tangent.
 #[inline(always)]
-fn times<W: Word>(d: Fx<W, OFFSET>, tangent: &Block<W, 3>, keep: u32) -> Block<W, 3> {
-    normalise(each!(m in tangent.m => d.mul::<MANTISSA, TERM>(m)), tangent.e, keep)
+fn times<W: Word>(d: Fx<W, OFFSET>, tangent: &Block<W, 3>, fraction_bits: u32) -> Block<W, 3> {
+    normalise(each!(m in tangent.m => d.mul::<MANTISSA, TERM>(m)), tangent.e, fraction_bits)
 }
 
 /// d₁E₁ and d₂E₁ + d₃E₂.

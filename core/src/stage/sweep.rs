@@ -33,15 +33,15 @@ pub fn shares<W: Word, const COLUMNS: usize>(
     (spread, count): (Mantissa<W>, Int<W>),
     p: &Precision,
 ) -> [Mantissa<W>; COLUMNS] {
-    let keep = p.fraction_bits;
-    let (q, _) = align(columns, keep);
-    let along = normalise(each!(q in q => dot(&q, &axes.direction)), Fx::int(0), keep);
+    let fraction_bits = p.fraction_bits;
+    let (q, _) = align(columns, fraction_bits);
+    let along = normalise(each!(q in q => dot(&q, &axes.direction)), Fx::int(0), fraction_bits);
     // Spread with which so many probes reach λ₁ if λ₂ is raised; a single probe does not spread.
-    let spread = spread.min(Fx::lookup(count, &rom::SPREAD_LIMIT).keep(keep));
-    let mut shares = each!(w in over_length(&along, p) => w.mul::<MANTISSA, PRODUCT>(spread).round_to(keep));
-    let sigma = Fx::entry(rom::BOX_SIGMA).keep(keep);
+    let spread = spread.min(Fx::lookup(count, &rom::SPREAD_LIMIT).keep(fraction_bits));
+    let mut shares = each!(w in over_length(&along, p) => w.mul::<MANTISSA, PRODUCT>(spread).round_to(fraction_bits));
+    let sigma = Fx::entry(rom::BOX_SIGMA).keep(fraction_bits);
     for share in &mut shares[..2] {
-        *share = share.mul::<MANTISSA, PRODUCT>(sigma).round_to(keep);
+        *share = share.mul::<MANTISSA, PRODUCT>(sigma).round_to(fraction_bits);
     }
     shares
 }
@@ -49,15 +49,15 @@ pub fn shares<W: Word, const COLUMNS: usize>(
 /// √(1 − λ₂²/λ₁²).
 #[inline(always)]
 pub fn spread<W: Word>(axes: &Axes<W>, p: &Precision) -> Mantissa<W> {
-    let keep = p.fraction_bits;
+    let fraction_bits = p.fraction_bits;
     let major = axes.major.m[0];
     let places = places_below(axes.minor.e, axes.major.e, W::BITS - 1);
-    let minor: Mantissa<W> = axes.minor.m[0].round_shr_by(places, keep);
+    let minor: Mantissa<W> = axes.minor.m[0].round_shr_by(places, fraction_bits);
     let difference: Product<W> = major.mul(major) - minor.mul(minor);
-    let (root, _) = root_and_inverse(number(difference.max(Fx::zero()), Fx::int(0), keep), p);
+    let (root, _) = root_and_inverse(number(difference.max(Fx::zero()), Fx::int(0), fraction_bits), p);
     let quotient: Wide<W, { PRODUCT + 2 }> =
         root.m[0].mul::<MANTISSA, PRODUCT>(half_reciprocal(major, p)).at_exponent(root.e + Fx::int(1));
-    quotient.max(Fx::zero()).min(Fx::int(1)).round_to(keep)
+    quotient.max(Fx::zero()).min(Fx::int(1)).round_to(fraction_bits)
 }
 
 /// Columns, each weighted by its share.
@@ -86,8 +86,8 @@ pub fn mean_shift<W: Word, const COLUMNS: usize>(
     view: &Block<W, 3>,
     p: &Precision,
 ) -> Block<W, 3> {
-    let keep = p.fraction_bits;
-    let (turns, e) = align(turns, keep);
+    let fraction_bits = p.fraction_bits;
+    let (turns, e) = align(turns, fraction_bits);
     let sums = each!((i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] => {
         let mut sum: Product<W> = Fx::zero();
         for turn in &turns {
@@ -95,15 +95,16 @@ pub fn mean_shift<W: Word, const COLUMNS: usize>(
         }
         sum
     });
-    let covariance = normalise(sums, e + e, keep);
+    let covariance = normalise(sums, e + e, fraction_bits);
     let [xx, xy, xz, yy, yz, zz] = covariance.m;
-    let half_trace: Mantissa<W> = (xx.widen::<PRODUCT>() + yy.widen() + zz.widen()).floor_shr(1).round_to(keep);
+    let half_trace: Mantissa<W> =
+        (xx.widen::<PRODUCT>() + yy.widen() + zz.widen()).floor_shr(1).round_to(fraction_bits);
     // Half of it: at most 3 + 1½.
     let half = each!((i, row) in [(0, [xx, xy, xz]), (1, [xy, yy, yz]), (2, [xz, yz, zz])] => {
         let turned: Product<W> = dot(&row, &view.m);
         turned - view.m[i].mul(half_trace)
     });
-    normalise(half, covariance.e + view.e + Fx::int(1), keep)
+    normalise(half, covariance.e + view.e + Fx::int(1), fraction_bits)
 }
 
 /// r, moved by the part of the mean that the probes, which are points of the major axis, leave out: the whole mean less the mean of their own bend.
@@ -115,16 +116,16 @@ pub fn centre<W: Word>(
     axes: &Axes<W>,
     p: &Precision,
 ) -> Block<W, 3> {
-    let keep = p.fraction_bits;
-    let minor = axes.minor.square_length(keep);
-    let divisor = one_plus(minor, keep);
+    let fraction_bits = p.fraction_bits;
+    let minor = axes.minor.square_length(fraction_bits);
+    let divisor = one_plus(minor, fraction_bits);
     let damping = Block { m: [half_reciprocal(divisor.m[0], p)], e: Fx::int(1) - divisor.e };
-    let rest = difference(shift, second, p).times(&damping, keep);
-    let ([r, rest], e) = align([*r, rest], keep);
+    let rest = difference(shift, second, p).times(&damping, fraction_bits);
+    let ([r, rest], e) = align([*r, rest], fraction_bits);
     normalise(
         each!((r, rest) in [(r[0], rest[0]), (r[1], rest[1]), (r[2], rest[2])] => r.widen::<PRODUCT>() + rest.widen()),
         e,
-        keep,
+        fraction_bits,
     )
 }
 
@@ -172,15 +173,15 @@ fn on_its_way<W: Word, const F: u32, const WIDE: u32>(
     [from, to]: [&'static SweepTable; 2],
     sweep: &Sweep<W>,
     index: Int<W>,
-    keep: u32,
+    fraction_bits: u32,
 ) -> Control<W, F> {
     let row = (sweep.count - Fx::int(1)).shl(4) + index;
     let [from, to] = each!(table in [from, to] => {
         let entry: Control<W, F> = Fx::lookup(row, table);
-        entry.keep(keep)
+        entry.keep(fraction_bits)
     });
     let way: WideControl<W, WIDE> = (to - from).mul(sweep.share);
-    from + way.round_to::<F>(keep)
+    from + way.round_to::<F>(fraction_bits)
 }
 
 /// Direction of probe `index`; its exponent is that of the sweep's mantissas.
