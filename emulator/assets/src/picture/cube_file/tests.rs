@@ -107,20 +107,23 @@ fn faces_are_in_order_with_rows_from_the_top_and_lower_levels_left_out() {
     assert_eq!(cube.statement.transfer.unwrap().used, "linear");
 }
 
+/// Light of an 8-bit code.
+type Decode = fn(f32) -> f32;
+
 #[test]
 fn codes_follow_the_transfer_function_that_the_file_names() {
     let files = Files::new();
     let level: Vec<u8> = (0..6).flat_map(|face| [10 * face, 128, 255, 7]).collect();
-    let linear = |code: f32| code / 255.0;
-    let srgb = |code: f32| super::super::srgb_to_linear(f64::from(code) / 255.0) as f32;
+    let linear: Decode = |code| code / 255.0;
+    let srgb: Decode = |code| super::super::srgb_to_linear(f64::from(code) / 255.0) as f32;
     // (bytes of the file, decoding of a code, says so); VK R8G8B8A8 UNORM is 37, SRGB 43; DXGI UNORM 28, SRGB 29.
     let unorm = |dxgi| [dds_header(1, 1, b"DX10", Some(dxgi)), level.clone()].concat();
-    let cases: [(Vec<u8>, &dyn Fn(f32) -> f32); 5] = [
-        (ktx2_file(37, 1, 1, 1, &level), &linear),
-        (ktx2_file(37, 1, 1, 2, &level), &srgb),
-        (ktx2_file(43, 1, 1, 2, &level), &srgb),
-        (unorm(28), &linear),
-        (unorm(29), &srgb),
+    let cases: [(Vec<u8>, Decode); 5] = [
+        (ktx2_file(37, 1, 1, 1, &level), linear),
+        (ktx2_file(37, 1, 1, 2, &level), srgb),
+        (ktx2_file(43, 1, 1, 2, &level), srgb),
+        (unorm(28), linear),
+        (unorm(29), srgb),
     ];
     for (index, (bytes, decode)) in cases.into_iter().enumerate() {
         let cube = files.read(&bytes).unwrap();
