@@ -56,7 +56,10 @@ fn scenes_that_cannot_shine_name_line_and_remedy() {
     let directory = tempfile::tempdir().unwrap();
     let home = directory.path();
     grey(&home.join("large.png"), 1025, 1024, |_| 7);
-    write_png_codes(&home.join("normals.png"), [1025, 1024], &[128, 128, 255].repeat(1025 * 1024)).unwrap();
+    for (name, [width, height]) in [("normals.png", [1025, 1024]), ("few_normals.png", [8, 8])] {
+        let codes = [128, 128, 255].repeat((width * height) as usize);
+        write_png_codes(&home.join(name), [width, height], &codes).unwrap();
+    }
     grey(&home.join("small.png"), 4, 4, |index| index as u8);
     exr::prelude::write_rgb_file(home.join("high.exr"), 2, 2, |x, _| (1e9 * x as f32, 0.0, 0.0)).unwrap();
     let given = |peak: &str| format!("peaks = {{ given = [{{ {peak} }}] }}");
@@ -78,7 +81,7 @@ fn scenes_that_cannot_shine_name_line_and_remedy() {
         (LIGHT, "normal_map = { path = \"normals.png\" }\npeaks = {}".into(), 7, "1025×1024", "make the map smaller"),
         (
             LIGHT,
-            "normal_map = { path = \"small.png\" }\npeaks = { shadowing = true }".into(),
+            "normal_map = { path = \"few_normals.png\" }\npeaks = { shadowing = true }".into(),
             8,
             "no heights to cast shadows",
             "use `height_map`",
