@@ -14,26 +14,29 @@ ROWS = []
 
 # Keys by which a scene takes files of these kinds.
 GLTF_OBJECT = 'shape = "mesh"\npath = "{}"\n'
-CUBE_ENVIRONMENT = 'faces = "{}"\n'
+CUBE_ENVIRONMENT = 'cube = "{}"\n'
 
-# A refusal has to name the kind of the file by this word.
-KINDS = {"glb": "glTF", "gltf": "glTF", "ply": "PLY", "stl": "STL", "usda": "USD", "usdc": "USD", "tif": "TIFF", "jpg": "JPEG",
+# A refusal has to name the kind of the file, or the feature that is not read, by one of these words.
+KINDS = {"glb": "glTF|KHR_", "gltf": "glTF|KHR_", "ply": "PLY", "stl": "STL", "usda": "USD", "usdc": "USD", "tif": "TIFF", "jpg": "JPEG",
          "bmp": "BMP", "webp": "WebP", "dds": "DDS", "ktx2": "KTX2"}
 
 
 class Row:
-    def __init__(self, program, package, file, compared, limit, make):
+    def __init__(self, program, package, file, compared, limit, is_imported, make):
         self.program, self.package, self.file, self.compared = program, package, file, compared
-        self.limit, self.make = limit, make
+        self.limit, self.is_imported, self.make = limit, is_imported, make
 
     def version(self, versions):
         return versions.get(self.package) or version(self.package)
 
 
-def row(program, package, file, compared, limit=2.0):
-    """Registers a row. Its function writes `file` in the folder and gives (scene, right codes, sure pixels)."""
+def row(program, package, file, compared, limit=2.0, is_imported=False):
+    """Registers a row. Its function writes `file` in the folder and gives (scene, right codes, sure pixels).
+
+    `is_imported`: the objects of the scene are those that `roughxel import` makes of the file.
+    """
     def register(make):
-        ROWS.append(Row(program, package, file, compared, limit, make))
+        ROWS.append(Row(program, package, file, compared, limit, is_imported, make))
         return make
     return register
 
@@ -105,6 +108,10 @@ def panorama(file, light=right.light):
     return environment(f'equirectangular = "{file}"\nface_edge = 256\n', light)
 
 
+def run(*command):
+    return subprocess.run(command, capture_output=True, text=True, timeout=600, env={**os.environ, "NO_COLOR": "1"})
+
+
 def judge(roughxel, folder, row):
     """(difference, verdict, remark) of a row."""
     scene, want, sure = row.make(folder)
@@ -113,11 +120,16 @@ def judge(roughxel, folder, row):
     text, picture = folder / "scene.toml", folder / "drawn.png"
     text.write_text(scene)
     picture.unlink(missing_ok=True)
-    command = [roughxel, "render", str(text), "-o", str(picture), "--mode", "unfiltered", "--no-cache"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, env={**os.environ, "NO_COLOR": "1"})
+    if row.is_imported:
+        done = run(roughxel, "import", str(folder / row.file), "-o", str(folder / "imported.toml"))
+        if done.returncode == 0:
+            objects = (folder / "imported.toml").read_text().partition("[[object]]")
+            text.write_text(scene.partition("[[object]]")[0] + objects[1] + objects[2])
+    if not row.is_imported or done.returncode == 0:
+        done = run(roughxel, "render", str(text), "-o", str(picture), "--mode", "unfiltered", "--no-cache")
     said = re.sub(re.escape(str(folder)) + "/?", "", done.stderr)
     if done.returncode != 0:
-        is_named = KINDS.get(row.file.rsplit(".")[-1], "") in said
+        is_named = re.search(KINDS.get(row.file.rsplit(".")[-1], ""), said)
         return "–", ("refused" if is_named else "UNNAMED") if done.returncode == 1 else "FAILED", first_sentence(said)
     warning = next((first_sentence(line) for line in said.splitlines() if "warning" in line), "")
     drawn = np.asarray(Image.open(picture).convert("RGB"), float)

@@ -78,7 +78,7 @@ def _(folder):
         exr(folder / "exr_cube.exr", {"RGB": whole}, envmap=OpenEXR.ENVMAP_CUBE)
     except (AttributeError, TypeError):
         exr(folder / "exr_cube.exr", {"RGB": whole})
-    return panorama("exr_cube.exr")
+    return environment(CUBE_ENVIRONMENT.format("exr_cube.exr") + 'layout = "openexr"\n')
 
 
 @row("ktx-parse", "ktx-parse", "ktx_cube.ktx2", "a cube of half floats, six faces in Vulkan's order", 2)

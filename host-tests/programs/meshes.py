@@ -31,7 +31,7 @@ def _(folder):
     return ball(folder, "blender_node.glb", FRONT, (0.5, -0.25, 0), 0.75)
 
 
-@row("Blender", "bpy", "blender_sheared.glb", "normal map on a sheared chart: MikkTSpace's frame", 3)
+@row("Blender", "bpy", "blender_sheared.glb", "normal map on a sheared chart: MikkTSpace's frame", 3, is_imported=True)
 def _(folder):
     return bumpy_square(folder, "blender_sheared.glb", shapes.box_triangles(-1, -1, 1, 1), (1, 0, 0), (0, 1, 0))
 
@@ -180,9 +180,15 @@ def bumpy_square(folder, file, triangles, along, above):
 
 
 # The node turns u to +y and the picture's up to -x; the square is at y from -0.5 to 1.5 before its scale of 0.5 along u.
-@row("glTF Transform", "@gltf-transform/core", "transform_square.glb", "quantized square, normal map, tangents, two nodes", 4)
+@row("glTF Transform", "@gltf-transform/core", "transform_square.glb", "quantized square, normal map, tangents, two nodes", 4,
+     is_imported=True)
 def _(folder):
     return bumpy_square(folder, "transform_square.glb", shapes.box_triangles(-1, -0.25, 1, 0.75), (0, 1, 0), (-1, 0, 0))
+
+
+@row("glTF Transform", "@gltf-transform/core", "transform_floats.glb", "the same square in floats", 4, is_imported=True)
+def _(folder):
+    return bumpy_square(folder, "transform_floats.glb", shapes.box_triangles(-1, -0.25, 1, 0.75), (0, 1, 0), (-1, 0, 0))
 
 
 @row("pygltflib", "pygltflib", "pygltflib_square.gltf", "a square in JSON with its buffer as base64, byte indices")

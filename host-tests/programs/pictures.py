@@ -219,7 +219,10 @@ def _(folder):
 @row("Pillow", "pillow", "pillow_progressive.jpg", "progressive JPEG, subsampled chroma, blocks of one colour", 4)
 def _(folder):
     Image.fromarray(SMOOTH8).save(folder / "pillow_progressive.jpg", quality=95, progressive=True, subsampling=2)
-    return colour_map("pillow_progressive.jpg", SMOOTH)
+    scene, want, sure = colour_map("pillow_progressive.jpg", SMOOTH)
+    # Decoders may interpolate chroma: the pixels next to another block do not count.
+    sure[15:17] = sure[:, 15:17] = False
+    return scene, want, sure
 
 
 @row("Pillow", "pillow", "pillow_turned.jpg", "JPEG with an orientation (EXIF 6)", 4)

@@ -88,5 +88,7 @@ primitive.setMaterial(model.createMaterial().setNormalTexture(bump).setBaseColor
 const inner = model.createNode().setMesh(model.createMesh().addPrimitive(primitive)).setTranslation([0.5, 0, 0]);
 const outer = model.createNode().addChild(inner).setRotation([0, 0, Math.SQRT1_2, Math.SQRT1_2]).setScale([0.5, 1, 1]);
 model.createScene().addChild(outer);
-await model.transform(unweld(), tangents({ generateTangents, overwrite: true }), quantize());
+await model.transform(unweld(), tangents({ generateTangents, overwrite: true }));
+write('transform_floats.glb', await new NodeIO().writeBinary(model));
+await model.transform(quantize());
 write('transform_square.glb', await new NodeIO().registerExtensions([KHRMeshQuantization]).writeBinary(model));
