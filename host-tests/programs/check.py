@@ -9,9 +9,9 @@ import environments, meshes, pictures  # noqa: F401  (their rows)
 
 HEAD = """# Files of other programs
 
-Each file below is written by a released program, drawn by `roughxel render`, and compared with numpy.
+Each file below is written by a released program. Files that are read are drawn by `roughxel render` and compared with numpy.
 The scripts are in [`host-tests/programs`](../host-tests/programs). The files have no other source than these programs.
-Make this page with `bash host-tests/programs/run.sh --write docs/programs.md`. It depends on no machine.
+Make this page with `bash host-tests/programs/run.sh --write docs/programs.md`. The differences are the same on every machine.
 
 The difference is the largest of all pixels and channels, in codes of 255, and its limit.
 Pixels on an edge do not count: a hundredth of a pixel would decide them.
