@@ -214,8 +214,10 @@ fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: Design) -> Opti
         }
         (Sort::RoundingOnePlaceShort, _) => {
             let fits =
-                at("core/src/elementary.rs", "within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(fraction_bits)")
-                    || at("core/src/elementary.rs", "let value: Control<W, LOGARITHM> = (Fx::wide_of_control(knot)")
+                at(
+                    "core/src/elementary.rs",
+                    "within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(fraction_bits)",
+                ) || at("core/src/elementary.rs", "let value: Control<W, LOGARITHM> = (Fx::wide_of_control(knot)")
                     || at("core/src/stage/blend.rs", ".round_to(24)")
                     || at("core/src/stage/moments.rs", "product.round_to(Fx::<W, MOMENT>::FRACTION)")
                     || at("core/src/stage/probes.rs", "per_sigma.keep(p.offset_bits())")
