@@ -19,7 +19,10 @@ const PLANS: [(&str, &str); 18] = [
     ("reflection+footprint+isotropic", "environment, footprint, isotropic roughness"),
     ("reflection+footprint+anisotropic", "environment, footprint, anisotropic roughness"),
     (ALL_EFFECTS, "reflection, all effects"),
-    ("small-code/reflection+bump+curvature+footprint+anisotropic", "reflection, all effects, with the feature `small-code`"),
+    (
+        "small-code/reflection+bump+curvature+footprint+anisotropic",
+        "reflection, all effects, with the feature `small-code`",
+    ),
     ("ports+bump+curvature+footprint+anisotropic", "reflection, all effects, with the outcome of every stage"),
     ("pixel", "pixel of an environment: one probe, colour"),
     ("pixel+bump+curvature+footprint+anisotropic", "pixel, all effects: with probes and colour"),
