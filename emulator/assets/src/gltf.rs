@@ -14,6 +14,7 @@ use gltf::mesh::Mode;
 
 use self::buffers::Buffers;
 use crate::mesh::error::MeshError;
+use crate::mesh::kind::is_gltf;
 use crate::mesh::triangles::MAX_TRIANGLES;
 
 pub use self::materials::{Image, ModelMaterial, NormalTexture};
@@ -118,6 +119,9 @@ pub(crate) fn parse_model(path: &Path, bytes: &[u8]) -> Result<Model, MeshError>
 
 /// Parses and validates a file.
 fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
+    if !is_gltf(bytes) {
+        return Err("is no glTF model; name it as a mesh in a scene, or export it as glTF 2.0".to_owned());
+    }
     // The mark that the specification forbids is written all the same.
     let bytes = if bytes.starts_with(b"glTF") {
         bytes

@@ -5,7 +5,7 @@
 
 mod build;
 pub(crate) mod error;
-mod kind;
+pub(crate) mod kind;
 mod model;
 mod obj;
 mod polygon;

@@ -3,11 +3,14 @@
 mod maps;
 mod text;
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
+use miette::miette;
 use roughxel_assets::gltf::{Part, read_model};
 use roughxel_utilities::output::write_files;
 
@@ -19,12 +22,12 @@ Make a scene of a glTF 2.0 model (.glb or .gltf): a scene file, and a folder of 
 
   reflectance     mean over the maps of 0.04 (1 - metallic) + metallic base colour
   colour          base colour of what is not metal, and emitted light, shown without shading
-  normal map      as it is; its scale is applied
+  normal map      copied; x and y are multiplied by its scale if that is not 1
   roughness map   standard deviation of slopes: roughness^2 / sqrt 2 (Beckmann's distribution with alpha = roughness^2)
-  camera          that of the file, else one that sees the whole model from +z
+  camera          that of the file, else one in front (+z), a little right and above, that sees the whole model
   environment     the generated sky; edit the scene file for another
 
-Contents that are not drawn are named on stderr: animations, skins, lights, transparency, other extensions.
+Files that exist are kept, unless --replace is given. Contents that are not drawn are named on stderr: animations, skins, lights, transparency, other extensions.
 
 Exit codes: 0 done, 1 failure, 2 usage.
 Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";
@@ -36,6 +39,9 @@ pub(super) struct ImportArgs {
     /// Scene file to write. The default is the name of the model with .toml, in this folder.
     #[arg(short, long, value_name = "TOML")]
     output: Option<PathBuf>,
+    /// Replace a scene of that name, with its meshes and maps.
+    #[arg(long)]
+    replace: bool,
 }
 
 pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
@@ -45,8 +51,12 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         return Err(Failure::Usage("scenes are TOML files: end the name in .toml".to_owned()));
     }
     check_file(&output)?;
-    let model = read_model(&args.model)?;
     let folder = output.with_extension("");
+    if let Some(known) = [&output, &folder].into_iter().find(|path| path.exists() && !args.replace) {
+        let known = known.display();
+        return Err(Failure::Error(miette!("{known} exists already; choose another --output, or give --replace")));
+    }
+    let model = read_model(&args.model)?;
     let folder_name = folder.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
     // Images come first: maps are made of them.
     let mut notes = model.ignored.clone();
@@ -54,10 +64,16 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     let meshes = model.parts.iter().enumerate().map(|(index, part)| (obj_name(index, part), obj(part)));
     write_files(&folder, meshes)?;
     let mut objects = Vec::new();
+    let mut materials = BTreeMap::new();
     for (index, part) in model.parts.iter().enumerate() {
         let has_uv = !part.texcoords.is_empty();
-        let maps = maps::material(&folder, &model, part.material, has_uv, &images, &mut notes)?;
-        objects.push(text::object(part, &format!("{folder_name}/{}", obj_name(index, part)), &folder_name, &maps));
+        let maps = match materials.entry((part.material, has_uv)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => {
+                place.insert(maps::material(&folder, &model, part.material, has_uv, &images, &mut notes)?)
+            }
+        };
+        objects.push(text::object(part, &format!("{folder_name}/{}", obj_name(index, part)), &folder_name, maps));
     }
     write_text(&output, &text::scene(&args.model, &model, &objects))?;
     notes.sort();

@@ -17,7 +17,8 @@ use super::{Failure, check_file, parse_png};
 pub(super) const LONG_HELP: &str = "\
 Say of a picture or a model what it is, how it is read, and what of it is ignored.
 
-A picture is read as the scene file would read it for the use given by --as. A thumbnail shows a picture, the six faces of a
+A picture is read as the scene file would read it for the use given by --as. The scene may still refuse its shape, clamp its
+light or clamp its slopes. A thumbnail shows a picture, the six faces of a
 cube map, or a mesh under the generated sky.
 
 Exit codes: 0 done, 1 failure, 2 usage.

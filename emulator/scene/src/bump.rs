@@ -45,6 +45,18 @@ pub enum Green {
     Down,
 }
 
+/// Numbers that the components of a normal map have for −1 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NormalCoding {
+    /// 0 to 1. Maps of 8-bit codes have their zero at 128: (c − 128)/127.
+    #[default]
+    ZeroAt128,
+    /// 0 to 1, 2v − 1 of 8-bit codes, too: no code is zero (glTF 2.0 §3.9.3).
+    Gltf,
+    /// −1 to 1.
+    Signed,
+}
+
 /// Offsets of the normal. Row 0 is at v = 0 (the bottom row of the picture); repeat addressing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpField {
@@ -100,19 +112,16 @@ impl BumpField {
     }
 
     /// Offsets of a tangent-space normal map, and how many were clamped. Red is +u, green as `green` says, blue outwards.
-    pub fn from_normals(normals: &Picture, green: Green) -> (Self, usize) {
-        Self::from_decoded_normals(normals, green, signed_decoder(normals))
-    }
-
-    /// Makes a field as [`BumpField::from_normals`] does, of components from −1 to 1.
-    pub fn from_signed_normals(normals: &Picture, green: Green) -> (Self, usize) {
-        Self::from_decoded_normals(normals, green, |component| component)
-    }
-
-    fn from_decoded_normals(normals: &Picture, green: Green, signed: impl Fn(f32) -> f32) -> (Self, usize) {
+    pub fn from_normals(normals: &Picture, green: Green, coding: NormalCoding) -> (Self, usize) {
+        let around_128 = signed_decoder(normals);
+        let signed = |component: f32| match coding {
+            NormalCoding::ZeroAt128 => around_128(component),
+            NormalCoding::Gltf => 2.0 * component - 1.0,
+            NormalCoding::Signed => component,
+        };
         let (width, height) = (normals.width as usize, normals.height as usize);
         let offsets = (0..height).rev().flat_map(|row| &normals.pixels[row * width..(row + 1) * width]).map(|pixel| {
-            let [x, y, z] = pixel.map(&signed);
+            let [x, y, z] = pixel.map(signed);
             let length = (x * x + y * y + z * z).sqrt();
             if length == 0.0 {
                 return [0.0, 0.0];

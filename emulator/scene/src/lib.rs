@@ -24,7 +24,7 @@ mod shapes;
 mod source;
 
 pub use builtin::{builtin_names, builtin_text};
-pub use bump::{BumpField, Edges, FrameSystem, Green, HeightField, HeightScale, OFFSET_LIMIT};
+pub use bump::{BumpField, Edges, FrameSystem, Green, HeightField, HeightScale, NormalCoding, OFFSET_LIMIT};
 pub use error::{Fault, SceneError};
 pub use generate::MapProgress;
 pub use lighting::{

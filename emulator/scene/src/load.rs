@@ -115,6 +115,9 @@ fn from_file(path: &Path, progress: &dyn MapProgress) -> Result<Scene, SceneErro
     if content.len() as u64 > MAX_SCENE_BYTES {
         return too_large(content.len() as u64);
     }
+    if content.starts_with(b"glTF") {
+        return Err(SceneError::whole(format!("{shown}: is a glTF model (make a scene of it with `roughxel import`)")));
+    }
     let not_text = |_| SceneError::whole(format!("{shown}: is not UTF-8 text (save the scene file as UTF-8)"));
     let text = String::from_utf8(content).map_err(not_text)?;
     let base_dir = path.parent().unwrap_or(Path::new(""));

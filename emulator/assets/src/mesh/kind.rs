@@ -71,7 +71,7 @@ const TEXTS: &[(&str, &str, &str, &str)] = &[
 const SEARCHED: usize = 4096;
 
 /// True for a glTF model, binary or text.
-pub(super) fn is_gltf(bytes: &[u8]) -> bool {
+pub(crate) fn is_gltf(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     // The key may stand at the end of a long text.
     bytes.starts_with(b"glTF") || text.starts_with(b"{") && text.windows(7).any(|word| word == b"\"asset\"")

@@ -10,10 +10,10 @@ use super::triangles::{Mesh, Vertex};
 /// Directions that p_u and p_v of a mesh follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tangents {
-    /// Those of rising u and v: S97's own.
+    /// Directions of rising u and v: S97's own.
     #[default]
     Texture,
-    /// Those of MikkTSpace: p_u along its tangent t, p_v along b = ± n × t; both of length 1 and negated if the map is mirrored.
+    /// Directions of MikkTSpace: p_u along its tangent t, p_v along b = ± n × t; both of length 1 and negated if the map is mirrored.
     MikkTSpace,
 }
 

@@ -1,7 +1,11 @@
 //! Pixels from integer codes.
 
+use super::Picture;
 use super::colour::Transfer;
-use super::statement::Statement;
+use super::colour_words::ColourWords;
+use super::decoded::Decoded;
+use super::icc::profile_words;
+use super::statement::{Purpose, Statement, Wishes};
 
 /// Pixels from packed samples, `stride` of them a pixel: channels 0, 1, 2, or channel 0 three times if there are fewer than three.
 pub(super) fn collect_pixels<T>(
@@ -40,5 +44,34 @@ pub(super) fn name_channels(channels: usize, statement: &mut Statement) {
     statement.channels = names.iter().map(ToString::to_string).collect();
     if channels.is_multiple_of(2) {
         statement.left.push("A".to_owned());
+    }
+}
+
+/// Codes of 8 bits and their ICC profile, as a decoder gives them.
+pub(super) struct Codes8 {
+    pub(super) size: [u32; 2],
+    /// Channels of a pixel, alpha included.
+    pub(super) channels: usize,
+    pub(super) codes: Vec<u8>,
+    pub(super) profile: Option<Vec<u8>>,
+}
+
+impl Codes8 {
+    /// The picture: sRGB, or as the profile says.
+    pub(super) fn decode(&self, purpose: Purpose, wishes: &Wishes) -> Decoded {
+        let Self { size: [width, height], channels, .. } = *self;
+        let mut statement = Statement::default();
+        name_channels(channels, &mut statement);
+        let mut words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
+        if let Some(profile) = &self.profile {
+            profile_words(profile, "ICC profile", &mut words, &mut statement);
+        }
+        let colours = words.decide(purpose, wishes, &mut statement);
+        let table = decode_table(255, colours.transfer);
+        let mut pixels =
+            collect_pixels(&self.codes, channels, channels, |pixel, index| table[usize::from(pixel[index])]);
+        colours.convert(&mut pixels);
+        let picture = Picture { width, height, pixels };
+        Decoded { picture, statement, largest_code: Some(255), channels: colours_of(channels) }
     }
 }

@@ -7,14 +7,11 @@ use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::codes::{collect_pixels, decode_table, name_channels};
-use super::colour::Transfer;
-use super::colour_words::ColourWords;
+use super::codes::Codes8;
 use super::decoded::Decoded;
-use super::icc::profile_words;
 use super::orientation::Orientation;
-use super::statement::{Purpose, Statement, Wishes};
-use super::{MAX_EDGE, Picture, PictureError, check_size};
+use super::statement::{Purpose, Wishes};
+use super::{MAX_EDGE, PictureError, check_size};
 
 /// Reads a JPEG: sRGB, or as its ICC profile says; turned upright by its EXIF orientation.
 ///
@@ -62,22 +59,14 @@ pub(super) fn read(
         return Err(missing());
     }
 
-    let mut statement = Statement::default();
-    name_channels(channels, &mut statement);
-    let mut words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
-    if let Some(profile) = decoder.icc_profile() {
-        profile_words(&profile, "ICC profile", &mut words, &mut statement);
-    }
-    let colours = words.decide(purpose, wishes, &mut statement);
-    let table = decode_table(255, colours.transfer);
-    let mut pixels = collect_pixels(&codes, channels, channels, |pixel, index| table[usize::from(pixel[index])]);
-    colours.convert(&mut pixels);
-    let picture = Picture { width, height, pixels };
+    let codes = Codes8 { size: [width, height], channels, codes, profile: decoder.icc_profile() };
+    let mut read = codes.decode(purpose, wishes);
     let orientation = decoder.exif().and_then(|exif| Orientation::from_exif(exif)).unwrap_or(Orientation::UPRIGHT);
     if orientation != Orientation::UPRIGHT {
-        statement.notes.push(format!("EXIF {orientation}: the picture is turned upright"));
+        read.statement.notes.push(format!("EXIF {orientation}: the picture is turned upright"));
     }
-    Ok(Decoded { picture: orientation.apply(picture), statement, largest_code: Some(255), channels })
+    read.picture = orientation.apply(read.picture);
+    Ok(read)
 }
 
 /// True if the mark for the end of the picture follows the last mark for the start of a scan. Scans hold neither.

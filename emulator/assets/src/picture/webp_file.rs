@@ -5,13 +5,10 @@ use std::path::Path;
 
 use image_webp::{DecodingError, WebPDecoder};
 
-use super::codes::{collect_pixels, decode_table, name_channels};
-use super::colour::Transfer;
-use super::colour_words::ColourWords;
+use super::codes::Codes8;
 use super::decoded::Decoded;
-use super::icc::profile_words;
-use super::statement::{Purpose, Statement, Wishes};
-use super::{MAX_PIXELS, Picture, PictureError, check_size};
+use super::statement::{Purpose, Wishes};
+use super::{MAX_PIXELS, PictureError, check_size};
 
 /// Reads a WebP: sRGB, or as its ICC profile says.
 ///
@@ -35,16 +32,6 @@ pub(super) fn read(
     let mut codes = vec![0; width as usize * height as usize * channels];
     decoder.read_image(&mut codes).map_err(damaged)?;
 
-    let mut statement = Statement::default();
-    name_channels(channels, &mut statement);
-    let mut words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
-    if let Some(profile) = decoder.icc_profile().map_err(damaged)? {
-        profile_words(&profile, "ICC profile", &mut words, &mut statement);
-    }
-    let colours = words.decide(purpose, wishes, &mut statement);
-    let table = decode_table(255, colours.transfer);
-    let mut pixels = collect_pixels(&codes, channels, channels, |pixel, index| table[usize::from(pixel[index])]);
-    colours.convert(&mut pixels);
-    let picture = Picture { width, height, pixels };
-    Ok(Decoded { picture, statement, largest_code: Some(255), channels: 3 })
+    let profile = decoder.icc_profile().map_err(damaged)?;
+    Ok(Codes8 { size: [width, height], channels, codes, profile }.decode(purpose, wishes))
 }

@@ -103,7 +103,7 @@ impl Textures<'_> {
         sum.map(|sum| sum / (f64::from(size[0]) * f64::from(size[1])))
     }
 
-    /// What is shown without a reflection, before the factor 1 − reflectance of the pixel.
+    /// Light without a reflection, before the factor 1 − reflectance of the pixel.
     fn shown(&self, x: u32, y: u32, size: [u32; 2], reflectance: [f64; 3]) -> [f64; 3] {
         let (metallic, base) = (self.metallic(x, y, size), self.base(x, y, size));
         let emissive = self.emissive.texel(x, y, size);
@@ -189,9 +189,9 @@ fn write_scaled_normals(folder: &Path, number: &str, normals: &Texture, scale: f
     let size = normals.size().unwrap_or([1, 1]);
     let mut codes = Vec::new();
     each(size, |x, y| {
-        let [x, y, z] = normals.texel(x, y, size).map(|code| (code * 255.0 - 128.0).max(-127.0) / 127.0);
+        let [x, y, z] = normals.texel(x, y, size).map(|code| 2.0 * code - 1.0);
         let normal = glam::DVec3::new(x * scale, y * scale, z).normalize_or(glam::DVec3::Z);
-        codes.extend(normal.to_array().map(|part| (part * 127.0 + 128.0).round() as u8));
+        codes.extend(normal.to_array().map(|part| ((part + 1.0) / 2.0 * 255.0).round() as u8));
     });
     write_map(folder, &format!("normal_{number}.png"), size, Samples::Rgb8(&codes))
 }

@@ -35,7 +35,7 @@ pub(super) fn object(part: &Part, path: &str, folder: &str, maps: &MaterialMaps)
         text += &format!("colour_map = {{ path = {} }}\n", file(name));
     }
     if let Some(name) = &maps.normal_map {
-        text += &format!("normal_map = {{ path = {} }}\n", file(name));
+        text += &format!("normal_map = {{ path = {}, coding = \"gltf\" }}\n", file(name));
     }
     let deviation = (maps.deviation * 1e6).round() / 1e6;
     match &maps.roughness_map {

@@ -132,6 +132,19 @@ fn files_of_an_import_are_named_and_mistakes_end_with_their_codes() {
     roughxel(&["import", glb_text, "-o", scene_text])
         .ends(0)
         .complains(&["transparency is not drawn", "one reflectance"]);
+    // An edited scene is not lost.
+    fs::write(&scene, "edited").unwrap();
+    roughxel(&["import", glb_text, "-o", scene_text]).ends(1).complains(&["a.toml exists already", "--replace"]);
+    assert_eq!(fs::read_to_string(&scene).unwrap(), "edited");
+    roughxel(&["import", glb_text, "-o", scene_text, "--replace"]).ends(0);
+    assert!(fs::read_to_string(&scene).unwrap().contains("coding = \"gltf\""));
+    let obj = folder.join("a.obj");
+    fs::write(&obj, "v 0 0 0\n").unwrap();
+    let obj = obj.to_str().unwrap();
+    roughxel(&["import", obj, "-o", scene_text, "--replace"])
+        .ends(1)
+        .complains(&["is no glTF model", "name it as a mesh"]);
+    roughxel(&["render", glb_text, "-o", "x.png"]).ends(1).complains(&["is a glTF model", "roughxel import"]);
     // The flat normal stays flat under a scale.
     let normals = picture(&folder.join("a").join("normal_0.png"), Purpose::Data);
     assert_eq!(normals.pixel(0, 0).map(|value| (value * 255.0).round() as u8), [128, 128, 255]);

@@ -115,9 +115,15 @@ fn an_rms_slope_is_met_and_a_flat_map_stays_flat() {
 #[test]
 fn the_neutral_8_bit_normal_is_exactly_flat_and_16_bit_uses_its_whole_range() {
     let neutral = picture(2, 2, |_, _| [128.0 / 255.0, 128.0 / 255.0, 1.0]);
-    assert!(BumpField::from_normals(&neutral, Green::Up).0.offsets.iter().all(|offset| *offset == [0.0; 2]));
+    assert!(
+        BumpField::from_normals(&neutral, Green::Up, NormalCoding::ZeroAt128)
+            .0
+            .offsets
+            .iter()
+            .all(|offset| *offset == [0.0; 2])
+    );
     let deep = picture(1, 1, |_, _| [49_152.0 / 65_535.0, 0.5, 0.75]);
-    let (field, _) = BumpField::from_normals(&deep, Green::Up);
+    let (field, _) = BumpField::from_normals(&deep, Green::Up, NormalCoding::ZeroAt128);
     // Half a 16-bit code.
     assert!((field.offsets[0][0] - 1.0).abs() < 1e-4 && field.offsets[0][1] == 0.0);
 }
@@ -125,7 +131,7 @@ fn the_neutral_8_bit_normal_is_exactly_flat_and_16_bit_uses_its_whole_range() {
 #[test]
 fn normals_pointing_inwards_are_clamped_and_counted() {
     let inwards = picture(2, 1, |x, _| if x == 0 { [1.0, 0.5, 0.2] } else { [0.0; 3] });
-    let (field, clamped) = BumpField::from_normals(&inwards, Green::Up);
+    let (field, clamped) = BumpField::from_normals(&inwards, Green::Up, NormalCoding::ZeroAt128);
     assert_eq!(clamped, 2);
     assert!(field.offsets.iter().flatten().all(|coordinate| coordinate.abs() <= OFFSET_LIMIT));
     assert_eq!(field.offsets[0][0], OFFSET_LIMIT);
@@ -204,11 +210,34 @@ fn green_down_is_the_same_surface_as_green_up_with_its_green_reversed() {
     ];
     for (kind, codes, wanted) in table {
         let map = picture(1, 1, |_, _| codes.map(|code| code / 255.0));
-        let (field, _) = BumpField::from_normals(&map, Green::Down);
+        let (field, _) = BumpField::from_normals(&map, Green::Down, NormalCoding::ZeroAt128);
         for (offset, wanted) in field.offsets[0].iter().zip(wanted) {
             assert!((offset - wanted).abs() < 1e-6, "{kind}: {offset} {wanted}");
         }
         let reversed = picture(1, 1, |_, _| [codes[0], 256.0 - codes[1], codes[2]].map(|code| code / 255.0));
-        assert_eq!(field, BumpField::from_normals(&reversed, Green::Up).0, "{kind}");
+        assert_eq!(field, BumpField::from_normals(&reversed, Green::Up, NormalCoding::ZeroAt128).0, "{kind}");
+    }
+}
+
+/// Component of an 8-bit code.
+type Decode = fn(f64) -> f64;
+
+#[test]
+fn codes_of_gltf_have_no_zero_and_those_of_others_have_it_at_128() {
+    // Components of 8-bit codes by hand: glTF 2c/255 − 1, others (c − 128)/127. Offsets are x/z and y/z.
+    let codes = [[128.0, 128.0, 255.0], [255.0, 0.0, 255.0], [0.0, 191.0, 192.0], [127.0, 64.0, 255.0]];
+    let map = picture(4, 1, |x, _| codes[x as usize].map(|code: f64| (code / 255.0) as f32));
+    let decoders: [(NormalCoding, Decode); 2] = [
+        (NormalCoding::Gltf, |code| 2.0 * code / 255.0 - 1.0),
+        (NormalCoding::ZeroAt128, |code| (code - 128.0) / 127.0),
+    ];
+    for (coding, decode) in decoders {
+        let (field, _) = BumpField::from_normals(&map, Green::Up, coding);
+        for (offset, code) in field.offsets.iter().zip(codes) {
+            let [x, y, z] = code.map(decode);
+            for (got, right) in offset.iter().zip([x / z, y / z]) {
+                assert!((f64::from(*got) - right).abs() < 1e-5, "{coding:?} {code:?}: {got}, {right}");
+            }
+        }
     }
 }

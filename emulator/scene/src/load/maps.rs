@@ -8,7 +8,7 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::light;
-use crate::bump::{BumpField, Edges, FrameSystem, Green, HeightScale, OFFSET_LIMIT};
+use crate::bump::{BumpField, Edges, FrameSystem, Green, HeightScale, NormalCoding, OFFSET_LIMIT};
 use crate::description::MaterialDescription;
 use crate::error::SceneError;
 use crate::generate::{
@@ -170,17 +170,16 @@ impl Maps<'_> {
                 return Err(arguments.error(message, help));
             }
             let green = arguments.word("green", &[("up", Green::Up), ("down", Green::Down)])?.unwrap_or_default();
+            let codings = [("zero-at-128", NormalCoding::ZeroAt128), ("gltf", NormalCoding::Gltf)];
+            let coding = arguments.word("coding", &codings)?.unwrap_or_default();
             if let Some((_, span)) = arguments.flag("wrap", "–")? {
                 let help = "leave `wrap` out: normals are taken as they are, no slope is taken across an edge";
                 return Err(arguments.error_at(span, "`wrap` belongs to a height map", help));
             }
             let used_as = format!("{name}: normal map");
             let normals = self.picture(&used_as, &arguments, &NORMAL_MAPS, Purpose::Normals)?;
-            if normals.statement.signed == Some(true) {
-                BumpField::from_signed_normals(&normals.picture, green)
-            } else {
-                BumpField::from_normals(&normals.picture, green)
-            }
+            let coding = if normals.statement.signed == Some(true) { NormalCoding::Signed } else { coding };
+            BumpField::from_normals(&normals.picture, green, coding)
         };
         if clamped > 0 {
             self.warnings.push(format!(

@@ -48,7 +48,7 @@ fn light([x, y, z]: Vector) -> [f32; 3] {
         .map(|channel| channel as f32)
 }
 
-/// The same light in a world that is mirrored at z, and one for directions of any length.
+/// Light of the world mirrored at z, for directions of any length.
 fn mirrored([x, y, z]: Vector) -> [f32; 3] {
     light([x, y, -z])
 }
