@@ -38,22 +38,28 @@ pub(super) fn settle(path: &Path, read: &mut Decoded, wishes: &Wishes) -> Result
     }
     let statement = &mut read.statement;
     let decide = "(`signed` decides otherwise)";
-    let below = pixels.iter().flatten().any(|component| *component < 0.0);
+    let signed_by_lengths = || {
+        let error = |decode: fn(f32) -> f64| -> f64 {
+            pixels.iter().map(|pixel| (length(pixel.map(decode)) - 1.0).abs()).sum()
+        };
+        error(f64::from) < error(|v| 2.0 * f64::from(v) - 1.0)
+    };
     let mut signed = match wishes.signed {
         Some(signed) => signed,
         None if !is_float => false,
-        None if below => {
-            statement.notes.push(format!("components below 0: normals are signed, −1 to 1 {decide}"));
-            true
+        None if read.channels == 3 => {
+            let is_signed = signed_by_lengths();
+            if is_signed {
+                statement
+                    .notes
+                    .push(format!("vectors have unit length as they are: normals are signed, −1 to 1 {decide}"));
+            }
+            is_signed
         }
         None => {
-            let error = |decode: fn(f32) -> f64| -> f64 {
-                pixels.iter().map(|pixel| (length(pixel.map(decode)) - 1.0).abs()).sum()
-            };
-            let is_signed = read.channels == 3 && error(f64::from) < error(|v| 2.0 * f64::from(v) - 1.0);
+            let is_signed = pixels.iter().flatten().any(|component| *component < 0.0);
             if is_signed {
-                let why = "no component is below 0, but the vectors have unit length as they are";
-                statement.notes.push(format!("{why}: normals are signed, −1 to 1 {decide}"));
+                statement.notes.push(format!("components below 0: normals are signed, −1 to 1 {decide}"));
             }
             is_signed
         }

@@ -354,3 +354,5 @@ fn faces_whose_edges_meet_in_another_orientation_are_told() {
         assert_eq!(warnings, wanted.into_iter().collect::<Vec<_>>(), "{kind} given as {given}");
     }
 }
+
+mod openexr;
