@@ -77,13 +77,15 @@ fn a_panorama_of_openexr_is_named_for_its_middle() {
     assert_eq!(ignored(None, ""), "");
 }
 
-/// Normal maps of floats: kind, texels, and the offsets (n_x, n_y) / n_z that they mean.
+/// Normal map of floats: kind, texels, and the offsets (n_x, n_y) / n_z that they mean.
+type NormalMap = (&'static str, Vec<[f32; 3]>, Vec<[f32; 2]>);
+
 #[test]
 fn normals_in_floats_are_signed_or_coded_as_their_lengths_tell() {
     let folder = tempfile::tempdir().unwrap();
     let coded = |normal: [f32; 3]| normal.map(|component| 0.5 * component + 0.5);
     let (up, tilted, steep) = ([0.0, 0.0, 1.0], [-0.5, -0.25, 0.829_156_2], [0.6, 0.0, 0.8]);
-    let table: [(&str, Vec<[f32; 3]>, Vec<[f32; 2]>); 10] = [
+    let table: [NormalMap; 10] = [
         ("signed and level", vec![up; 4], vec![[0.0; 2]; 4]),
         ("coded and level", vec![coded(up); 4], vec![[0.0; 2]; 4]),
         ("signed and tilted", vec![tilted; 2], vec![[-0.603_022_7, -0.301_511_3]; 2]),
