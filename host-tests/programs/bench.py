@@ -121,7 +121,7 @@ def judge(roughxel, folder, row):
     text.write_text(scene)
     picture.unlink(missing_ok=True)
     if row.is_imported:
-        done = run(roughxel, "import", str(folder / row.file), "-o", str(folder / "imported.toml"))
+        done = run(roughxel, "import", str(folder / row.file), "-o", str(folder / "imported.toml"), "--replace")
         if done.returncode == 0:
             objects = (folder / "imported.toml").read_text().partition("[[object]]")
             text.write_text(scene.partition("[[object]]")[0] + objects[1] + objects[2])

@@ -42,7 +42,7 @@ def call(*words):
 def draw(roughxel, folder, name, environment, mode="footprint", face_edge=512, edit=lambda text: text):
     """Linear light of the imported model in a panorama."""
     scene = folder / f"{name}.toml"
-    call(roughxel, "import", folder / f"{name}.glb", "-o", scene)
+    call(roughxel, "import", folder / f"{name}.glb", "-o", scene, "--replace")
     text = edit(scene.read_text())
     scene.write_text(text.replace('generate = "sky"', f'equirectangular = "{environment}"\nface_edge = {face_edge}'))
     output = folder / f"{name}-{Path(environment).stem}.png"
