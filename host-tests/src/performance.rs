@@ -29,7 +29,7 @@ pub type Results = BTreeMap<String, Section>;
 impl Section {
     /// Head line and table in Markdown.
     pub fn markdown(&self) -> String {
-        let mut text = format!("`{}`; {}.\n\n", self.command, self.conditions.join("; "));
+        let mut text = format!("`{}`;\n{}.\n\n", self.command, self.conditions.join("; "));
         let rule = vec!["---".to_owned(); self.columns.len()];
         for cells in [&self.columns, &rule].into_iter().chain(&self.rows) {
             let _ = writeln!(text, "| {} |", cells.join(" | "));
