@@ -44,6 +44,7 @@ pub mod fetch;
 pub mod firmware;
 pub mod fx;
 pub mod knob;
+pub mod normalised;
 pub mod plan;
 pub mod ports;
 pub mod precision;

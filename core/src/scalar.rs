@@ -7,6 +7,7 @@
 //! path.
 
 use crate::bundle::Bundle;
+use crate::normalised::normalised;
 use crate::rom::upper;
 use crate::staged::Staged;
 use crate::word::{WideWire, Wire, Word};
@@ -121,6 +122,14 @@ macro_rules! word {
             #[inline(always)]
             fn wide_of_count(count: i32) -> Self {
                 count as $wide
+            }
+            #[inline(always)]
+            fn normalised<const N: usize>(
+                wires: [Self; N],
+                drop: u32,
+                up: u32,
+            ) -> ([Self::Word; N], Self::Count, Self::Flag) {
+                normalised(wires, drop, up)
             }
         }
 

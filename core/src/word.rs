@@ -5,8 +5,6 @@
 use core::fmt::Debug;
 use core::ops::{BitAnd, BitOr, Not};
 
-use crate::each::each;
-
 /// Operations common to words and wide wires. Shift counts are `0 ≤ k <` the width of the wire.
 pub trait Wire: Copy + Debug {
     /// One-bit wire, the outcome of a comparison.
@@ -86,18 +84,7 @@ pub trait WideWire: Wire {
     /// Integer of the count on a wide wire. It fits.
     fn wide_of_count(count: Self::Count) -> Self;
     /// `wires` shifted left until the highest bit of one of them is next to the sign, each rounded as by [`Word::round`]; their common leading bits;
-    /// and whether all are zero. A backend may compute it in a shorter way. `drop + up` is more than the bits of a word.
-    #[inline(always)]
-    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
-        // One's complement magnitude: −2^k counts as the octave below, so −1 can occur. As many leading zeros as there are bits do not identify a
-        // block of zeros: −1 has them, too, but is negative.
-        let (mut magnitude, mut bits) = (Self::lit(0), Self::lit(0));
-        for &wire in &wires {
-            (magnitude, bits) = (magnitude.or(wire.xor(wire.sar(Self::BITS - 1))), bits.or(wire));
-        }
-        let zeros = magnitude.leading_zeros();
-        let all_zero = !zeros.lt(Wire::lit(Self::BITS.into())) & !bits.lt(Self::lit(0));
-        let shift = zeros.sub(Wire::lit(1));
-        (each!(wire in wires => Self::Word::round(wire.shl_by(shift), drop, up)), zeros, all_zero)
-    }
+    /// and whether all are zero. [`crate::normalised`] says it in operations; a backend may have a shorter way. `drop + up` is more than the bits of
+    /// a word.
+    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag);
 }

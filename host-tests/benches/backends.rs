@@ -186,6 +186,7 @@ impl Model {
             effects: Effects::ALL,
             depth: None,
             stage: None,
+            multipliers: None,
             prefix: String::new(),
         };
         let verilog = record::verilog(Self::DESIGN, &options).expect("the datapath is generated");

@@ -8,6 +8,7 @@ use std::cell::{Cell, RefCell};
 use std::fmt;
 
 use roughxel_core::bundle::{Bundle, Rewire};
+use roughxel_core::normalised::normalised;
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
@@ -303,6 +304,14 @@ macro_rules! word {
             }
             fn wide_of_count(count: Checked) -> Self {
                 Self::fit(Operation::Widen, count.integer() as i128, [count.integer(), 0])
+            }
+            #[inline(always)]
+            fn normalised<const N: usize>(
+                wires: [Self; N],
+                drop: u32,
+                up: u32,
+            ) -> ([Self::Word; N], Self::Count, Self::Flag) {
+                normalised(wires, drop, up)
             }
         }
 

@@ -22,6 +22,7 @@ mod ranges;
 mod render;
 mod report;
 mod scenes;
+mod schedule;
 mod study;
 mod vectors;
 mod verilog;
@@ -74,6 +75,9 @@ enum Command {
     /// Count multipliers, adders, tables and gate levels of every stage.
     #[command(long_about = cost::LONG_HELP)]
     Cost(cost::CostArgs),
+    /// Fold a design on a few multipliers: cycles a fragment, shared units, stored values.
+    #[command(long_about = schedule::LONG_HELP)]
+    Schedule(schedule::ScheduleArgs),
     /// Write the datapath as synthesizable Verilog: a module for each stage, a pipelined top, ROMs, a JSON manifest.
     #[command(after_help = CONVENTIONS)]
     Verilog(verilog::VerilogArgs),
@@ -115,6 +119,7 @@ pub fn run() -> ExitCode {
         Command::Report(command) => report::run(&command),
         Command::Ranges(args) => ranges::run(&args),
         Command::Cost(args) => cost::run(&args),
+        Command::Schedule(args) => schedule::run(&args),
         Command::Verilog(args) => verilog::run(&args),
         Command::Gallery(args) => gallery::run(&args),
         Command::Plan(args) => plan::run(&args),

@@ -44,6 +44,10 @@ pub(super) struct VerilogArgs {
     /// registers are between stages only.
     #[arg(long, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(1..=1000))]
     depth: Option<u32>,
+    /// Fold the design on this many multipliers: it takes a fragment every few cycles, and expensive operations share units. Without this
+    /// option it has one for each product and takes a fragment each cycle.
+    #[arg(long, value_name = "COUNT", conflicts_with = "stage", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    multipliers: Option<u32>,
     /// Prefix of module names, so that a project can hold two designs.
     #[arg(long, default_value = "", value_parser = parse_prefix, value_name = "TEXT")]
     prefix: String,
@@ -122,8 +126,9 @@ fn write(
     effects: Effects,
     directory: &Path,
 ) -> Result<(PathBuf, Verilog), Failure> {
-    let (depth, stage, prefix) = (args.depth, args.stage.clone(), args.prefix.clone());
-    let options = Options { depth, stage, prefix, ..Options::new(&profile.name, profile.precision, effects) };
+    let (depth, multipliers, stage, prefix) = (args.depth, args.multipliers, args.stage.clone(), args.prefix.clone());
+    let options =
+        Options { depth, multipliers, stage, prefix, ..Options::new(&profile.name, profile.precision, effects) };
     let verilog = match record::verilog(design, &options) {
         Err(VerilogError::Unproven(violations)) => return Err(unproven(&violations)),
         Err(error @ VerilogError::UnknownStage { .. }) => return Err(Failure::Usage(error.to_string())),

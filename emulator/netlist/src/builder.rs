@@ -21,6 +21,8 @@ struct Builder {
     net: Net,
     known: HashMap<Key, NodeId>,
     stage: Option<u32>,
+    part: Option<u32>,
+    parts: u32,
 }
 
 thread_local! {
@@ -100,7 +102,8 @@ impl Builder {
             return id;
         }
         let id = self.net.nodes.len() as NodeId;
-        self.net.nodes.push(Node { op, kind, stage, at });
+        let part = stage.and(self.part);
+        self.net.nodes.push(Node { op, kind, stage, part, at });
         self.known.insert((op, kind, stage), id);
         id
     }
@@ -155,6 +158,17 @@ pub fn leave(outcome: Vec<NamedWire>) {
         let stage = builder.stage.take();
         builder.net.taps.extend(outcome.into_iter().map(|wire| wire.tap(stage)));
     });
+}
+
+/// Runs `body` as a compound step: its operations are one part of the stage, which hardware may share with equal parts. Parts do not nest.
+pub fn part<T>(body: impl FnOnce() -> T) -> T {
+    built(|builder| {
+        builder.part = Some(builder.parts);
+        builder.parts += 1;
+    });
+    let outcome = body();
+    built(|builder| builder.part = None);
+    outcome
 }
 
 /// Path as text: `e1.m[0]`.

@@ -6,7 +6,7 @@ use super::graph::{Kind, Net, NodeId, Op};
 
 /// One operation on integers, wrapped to its wire. `operand` returns the integer of a node, `kind` is the kind of the node itself.
 #[inline]
-fn apply(op: Op, kind: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i64 {
+pub(crate) fn apply(op: Op, kind: Kind, kind_of: impl Fn(NodeId) -> Kind, operand: impl Fn(NodeId) -> i64) -> i64 {
     kind.cut(op.value(kind, kind_of, operand) as i64)
 }
 

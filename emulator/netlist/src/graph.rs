@@ -206,6 +206,8 @@ pub struct Node {
     pub kind: Kind,
     /// Index in [`Net::runs`] of the stage that made it; constants and ports belong to none.
     pub stage: Option<u32>,
+    /// Number of the compound step that made it, of those that hardware may share ([`super::builder::part`]); `None` for any other operation.
+    pub part: Option<u32>,
     /// Line of the source that makes it.
     pub at: &'static Location<'static>,
 }

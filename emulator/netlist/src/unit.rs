@@ -67,3 +67,11 @@ pub fn signed_digits(constant: i64) -> u32 {
     // Non-zero digits are at the bits in which n and 3n differ.
     (n ^ (3 * n)).count_ones()
 }
+
+/// Canonical signed digits of a constant, lowest first: it is the sum of ±2^k; true for a minus sign.
+pub fn signed_powers(constant: i64) -> Vec<(bool, u32)> {
+    let (n, triple) = (i128::from(constant), 3 * i128::from(constant));
+    let digits = n ^ triple;
+    // A digit at bit k + 1 of 3n stands for 2^k; it is negative where n itself has the bit above.
+    (1..127).filter(|bit| digits >> bit & 1 == 1).map(|bit| (n >> bit & 1 == 1, bit - 1)).collect()
+}

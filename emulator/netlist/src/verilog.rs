@@ -6,8 +6,9 @@
 
 pub(crate) mod body;
 mod context;
-mod error;
 mod driver;
+mod error;
+mod fold;
 mod format;
 mod interface;
 mod module;
@@ -18,6 +19,7 @@ mod stage;
 mod stepper;
 mod text;
 pub(crate) mod value;
+mod wire;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -30,6 +32,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 pub use error::VerilogError;
+pub use fold::{FOLDED_DEPTH, Fault, FoldSummary, Folded, Machine, Slot, UnitSummary};
 pub use format::Format;
 pub use interface::{Interface, PortDescription};
 pub use rom::Rom;
@@ -40,6 +43,7 @@ use self::body::Body;
 use self::context::Context;
 use self::module::Module;
 use self::share::Group;
+use self::wire::Parts;
 use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
 
@@ -54,6 +58,8 @@ pub struct Options {
     pub effects: Effects,
     /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers between stages only.
     pub depth: Option<u32>,
+    /// Multipliers on which the design is folded; `None` has one for each product and takes a fragment each cycle.
+    pub multipliers: Option<u32>,
     /// Stage whose modules are written, in all its uses (`columns`) or in one (`columns_pixel`), with their submodules; `None` writes the whole
     /// design.
     pub stage: Option<String>,
@@ -65,7 +71,7 @@ impl Options {
     /// Every stage, with registers between stages only, in files without a prefix.
     pub fn new(profile: &str, precision: Precision, effects: Effects) -> Self {
         let (profile, prefix) = (profile.to_owned(), String::new());
-        Self { profile, precision, effects, depth: None, stage: None, prefix }
+        Self { profile, precision, effects, depth: None, multipliers: None, stage: None, prefix }
     }
 }
 
@@ -80,6 +86,8 @@ pub struct Verilog {
     pub files: BTreeMap<String, String>,
     /// Register bits of the top, of its stages and of delay lines.
     pub register_bits: u32,
+    /// Figures of a folded design.
+    pub fold: Option<FoldSummary>,
 }
 
 /// Name of the top of a design.
@@ -114,41 +122,12 @@ impl Verilog {
         let context = prepared.context(options.depth, &options.prefix, &origin);
         pipeline::check_blocks(context)?;
 
-        let groups = &prepared.groups;
-        let modules = groups.iter().map(|group| prepared.module(context, group)).collect::<Result<Vec<Module>, _>>()?;
-        let stage = options.stage.as_deref();
-        let chosen: Vec<&Module> = prepared.chosen(stage)?.into_iter().map(|index| &modules[index]).collect();
-        let mut files = BTreeMap::new();
-        let mut roms = BTreeMap::new();
-        for module in &chosen {
-            files.insert(format!("{}.v", module.name), module.text.clone());
-            roms.extend(module.roms.clone());
-            for &width in &module.leading_zeros {
-                files.insert(format!("leading_zeros_{width}.v"), rom::leading_zeros(width));
-            }
-        }
-        for (name, rom) in &roms {
-            files.insert(format!("{name}.v"), rom.module());
-            files.insert(format!("rom/{name}.hex"), rom.hex());
-        }
-        let mut verilog = Self { top: None, stepper: None, files, register_bits: 0 };
-        let mut instances = Vec::new();
-        if stage.is_none() {
-            let name = top_name(design);
-            let top = pipeline::top(context, &name, design.description(), groups, &modules)?;
-            verilog.register_bits = top.register_bits;
-            let stepper = stepper::stepper(&top, &origin);
-            verilog.files.insert(format!("{name}.v"), top.text);
-            instances = top.instances;
-            if top.uses_delay || stepper.is_some() {
-                verilog.files.insert(format!("{}.v", rom::DELAY), rom::DELAY_TEXT.to_owned());
-            }
-            if let Some((interface, text)) = stepper {
-                verilog.files.insert(format!("{}.v", interface.module), text);
-                verilog.stepper = Some(interface);
-            }
-            verilog.top = Some(top.interface);
-        }
+        let name = options.stage.as_deref().map_or_else(|| top_name(design), |stage| stage.replace('.', "_"));
+        let written = match options.multipliers {
+            Some(multipliers) => Written::folded(&prepared, context, multipliers, design)?,
+            None => Written::flat(&prepared, context, options.stage.as_deref(), design)?,
+        };
+        let Written { mut verilog, instances, modules, roms } = written;
         let manifest = Manifest {
             schema: "roughxel-verilog",
             format_version: 1,
@@ -162,14 +141,14 @@ impl Verilog {
             top: verilog.top.as_ref(),
             stepper: verilog.stepper.as_ref(),
             register_bits: verilog.register_bits,
+            fold: verilog.fold.as_ref(),
             instances,
-            modules: chosen.iter().map(|module| ModuleEntry::new(module)).collect(),
+            modules,
             roms: roms.values().map(Rom::description).collect(),
             files: verilog.files.iter().map(|(name, text)| FileEntry::new(name, text)).collect(),
         };
         // The manifest has strings and numbers only, which JSON can always express.
         let manifest = serde_json::to_string_pretty(&manifest).unwrap_or_default();
-        let name = stage.map_or_else(|| top_name(design), |stage| stage.replace('.', "_"));
         verilog.files.insert(format!("{name}.json"), manifest + "\n");
         Ok(verilog)
     }
@@ -181,9 +160,77 @@ impl Verilog {
     }
 }
 
+impl Folded {
+    /// Proves a design that was recorded with these options and folds it on [`Options::multipliers`], or on one.
+    ///
+    /// Errors: everything [`VerilogError`] lists.
+    pub fn of(net: Net, options: &Options) -> Result<Self, VerilogError> {
+        let prepared = Prepared::new(net)?;
+        let context = prepared.context(options.depth, &options.prefix, "");
+        fold::fold(context, &prepared.own_ranges, &prepared.groups, options.multipliers.unwrap_or(1))
+    }
+}
+
+/// Text of a design before its manifest.
+struct Written {
+    verilog: Verilog,
+    instances: Vec<pipeline::Placed>,
+    modules: Vec<ModuleEntry>,
+    roms: BTreeMap<String, Rom>,
+}
+
+impl Written {
+    /// Writes a flat design, or modules of one of its stages.
+    fn flat(prepared: &Prepared, context: Context, stage: Option<&str>, design: Design) -> Result<Self, VerilogError> {
+        let groups = &prepared.groups;
+        let modules = groups.iter().map(|group| prepared.module(context, group)).collect::<Result<Vec<Module>, _>>()?;
+        let chosen: Vec<&Module> = prepared.chosen(stage)?.into_iter().map(|index| &modules[index]).collect();
+        let mut files = BTreeMap::new();
+        let mut parts = Parts::default();
+        for module in &chosen {
+            files.insert(format!("{}.v", module.name), module.text.clone());
+            parts.extend(&module.parts);
+        }
+        parts.write(&mut files);
+        let mut verilog = Verilog { top: None, stepper: None, files, register_bits: 0, fold: None };
+        let mut instances = Vec::new();
+        if stage.is_none() {
+            let name = top_name(design);
+            let top = pipeline::top(context, &name, design.description(), groups, &modules)?;
+            verilog.register_bits = top.register_bits;
+            let stepper = stepper::stepper(&top.interface, &top.unread, context.origin);
+            verilog.files.insert(format!("{name}.v"), top.text);
+            instances = top.instances;
+            if top.uses_delay || stepper.is_some() {
+                verilog.files.insert(format!("{}.v", rom::DELAY), rom::DELAY_TEXT.to_owned());
+            }
+            if let Some((interface, text)) = stepper {
+                verilog.files.insert(format!("{}.v", interface.module), text);
+                verilog.stepper = Some(interface);
+            }
+            verilog.top = Some(top.interface);
+        }
+        let modules = chosen.iter().map(|module| ModuleEntry::new(module)).collect();
+        Ok(Self { verilog, instances, modules, roms: parts.roms })
+    }
+
+    /// Writes a design folded on a number of multipliers.
+    fn folded(prepared: &Prepared, context: Context, multipliers: u32, design: Design) -> Result<Self, VerilogError> {
+        let (own, groups) = (&prepared.own_ranges, &prepared.groups);
+        let folded = fold::write(context, own, groups, multipliers, &top_name(design), design.description())?;
+        let fold::FoldedVerilog { interface, mut files, modules, parts, register_bits, summary } = folded;
+        parts.write(&mut files);
+        let verilog = Verilog { top: Some(interface), stepper: None, files, register_bits, fold: Some(summary) };
+        let modules = modules.iter().map(ModuleEntry::new).collect();
+        Ok(Self { verilog, instances: Vec::new(), modules, roms: parts.roms })
+    }
+}
+
 /// A recorded and proven design, with the runs of its stages in groups of equal hardware.
 struct Prepared {
     net: Net,
+    /// Ranges of each node by itself.
+    own_ranges: Ranges,
     /// Ranges, one for all nodes that meet in a place of a module.
     ranges: Ranges,
     groups: Vec<Group>,
@@ -193,17 +240,17 @@ struct Prepared {
 
 impl Prepared {
     fn new(net: Net) -> Result<Self, VerilogError> {
-        let ranges = Ranges::new(&net);
-        if !ranges.violations.is_empty() {
-            return Err(VerilogError::Unproven(ranges.violations));
+        let own_ranges = Ranges::new(&net);
+        if !own_ranges.violations.is_empty() {
+            return Err(VerilogError::Unproven(own_ranges.violations));
         }
         let groups = share::groups(&net);
-        let ranges = share::joined(&net, &ranges, &groups);
+        let ranges = share::joined(&net, &own_ranges, &groups);
         let mut outside: BTreeSet<_> = net.outputs.iter().map(|output| output.node).collect();
         for group in &groups {
             outside.extend(group.runs.iter().flat_map(|run| run.inputs.iter().copied()));
         }
-        Ok(Self { net, ranges, groups, outside })
+        Ok(Self { net, own_ranges, ranges, groups, outside })
     }
 
     fn context<'a>(&'a self, depth: Option<u32>, prefix: &'a str, origin: &'a str) -> Context<'a> {
@@ -249,6 +296,8 @@ struct Manifest<'a> {
     top: Option<&'a Interface>,
     stepper: Option<&'a Interface>,
     register_bits: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fold: Option<&'a FoldSummary>,
     instances: Vec<pipeline::Placed>,
     modules: Vec<ModuleEntry>,
     roms: Vec<rom::RomDescription>,

@@ -9,6 +9,7 @@ use std::ops::{BitAnd, BitOr, Not};
 
 use roughxel_core::bundle::{Bundle, End, Rewire, Step};
 use roughxel_core::design::{Design, Form, In, Recorded, Visitor};
+use roughxel_core::normalised::normalised;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_core::staged::Staged;
@@ -155,6 +156,13 @@ macro_rules! word {
             #[track_caller]
             fn wide_of_count(count: NetWord) -> Self {
                 Self(resized(count.0, 32, $wide))
+            }
+            fn normalised<const N: usize>(
+                wires: [Self; N],
+                drop: u32,
+                up: u32,
+            ) -> ([NetWire<$bits>; N], NetWord, NetFlag) {
+                builder::part(|| normalised(wires, drop, up))
             }
         }
 

@@ -33,6 +33,7 @@ mod vectors;
 use std::ops::{BitAnd, BitOr, Not};
 
 use roughxel_core::bundle::Bundle;
+use roughxel_core::normalised::normalised;
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
@@ -262,6 +263,10 @@ impl<T: Target> WideWire for WideLanes<T> {
     #[inline(always)]
     fn wide_of_count(count: Lanes<T>) -> Self {
         count.widen()
+    }
+    #[inline(always)]
+    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
+        normalised(wires, drop, up)
     }
 }
 

@@ -8,6 +8,7 @@ use std::ops::{BitAnd, BitOr, Not};
 
 use roughxel_core::bundle::Bundle;
 use roughxel_core::each::{each, places};
+use roughxel_core::normalised::normalised;
 use roughxel_core::staged::Staged;
 use roughxel_core::word::{WideWire, Wire, Word};
 
@@ -250,6 +251,10 @@ impl<T: Target> WideWire for Halves<WideLanes<T>> {
     fn wide_of_count(count: Halves<Lanes<T>>) -> Self {
         count.widen()
     }
+    #[inline(always)]
+    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
+        normalised(wires, drop, up)
+    }
 }
 
 impl<T: Target> Wire for NarrowLanes<T> {
@@ -367,6 +372,10 @@ impl<T: Target> WideWire for Halves<Lanes<T>> {
     #[inline]
     fn wide_of_count(count: Self) -> Self {
         count
+    }
+    #[inline(always)]
+    fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
+        normalised(wires, drop, up)
     }
 }
 

@@ -210,6 +210,7 @@ fn modules(
         effects: *effects,
         depth: top.flatten(),
         stage: None,
+        multipliers: None,
         prefix: String::new(),
     };
     let verilog = record::verilog(known, &options).map_err(|e| format!("{design}, {profile}: {e}"))?;

@@ -30,10 +30,10 @@ use roughxel_utilities::random::SplitMix64;
 use roughxel_vectors::{Direction, Field, Manifest, manifests_in};
 use tempfile::TempDir;
 
-const FULL: Effects = Effects::ALL;
+pub(super) const FULL: Effects = Effects::ALL;
 
 /// The variants that change a datapath.
-fn variants_of(datapath: Datapath) -> Vec<(&'static str, Effects)> {
+pub(super) fn variants_of(datapath: Datapath) -> Vec<(&'static str, Effects)> {
     let mut distinct: Vec<(&str, Effects)> = Vec::new();
     for (name, effects) in variants() {
         let own = effects.of(datapath);
@@ -63,12 +63,13 @@ fn variants() -> [(&'static str, Effects); 5] {
     ]
 }
 
-fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Options {
+pub(super) fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Options {
     Options {
         profile: profile.into(),
         precision: Profile::by_name(profile).map(Profile::precision).expect("a profile"),
         effects,
         depth,
+        multipliers: None,
         stage: None,
         prefix: String::new(),
     }
@@ -76,7 +77,7 @@ fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Options {
 
 /// Ports of a design: at least `count` vectors, from random fragments, every hard case of the plan, and integers anywhere
 /// in the declared ranges.
-fn inputs(design: Design, net: &Net, count: usize, effects: &Effects, p: &Precision) -> Vec<Vec<i64>> {
+pub(super) fn inputs(design: Design, net: &Net, count: usize, effects: &Effects, p: &Precision) -> Vec<Vec<i64>> {
     let name = design.name();
     let whole = matches!(design, Design::Fragment | Design::Reflection);
     let plan = effects.reflection();
@@ -101,9 +102,9 @@ fn inputs(design: Design, net: &Net, count: usize, effects: &Effects, p: &Precis
 }
 
 /// A design in its own directory.
-struct Written {
+pub(super) struct Written {
     directory: TempDir,
-    verilog: Verilog,
+    pub(super) verilog: Verilog,
 }
 
 impl Written {
@@ -115,7 +116,7 @@ impl Written {
         Self { directory, verilog }
     }
 
-    fn path(&self) -> &Path {
+    pub(super) fn path(&self) -> &Path {
         self.directory.path()
     }
 
@@ -124,7 +125,7 @@ impl Written {
         self.verilog.stepper.as_ref().or(self.verilog.top.as_ref()).expect("a top")
     }
 
-    fn lint(&self) {
+    pub(super) fn lint(&self) {
         let module = &self.outermost().module;
         let mut command = Command::new("verilator");
         command.args(["--lint-only", "-Wall", "--top-module", module, "-y"]).arg(self.path());
@@ -132,13 +133,13 @@ impl Written {
     }
 
     /// Simulates with Icarus, with random pauses of the handshake.
-    fn icarus(&self, bench: &Bench) {
+    pub(super) fn icarus(&self, bench: &Bench) {
         let text = self.simulate(bench);
         assert!(text.contains("PASS"), "{} in Icarus: {text}", bench.module());
     }
 
     /// Output of the testbench in Icarus.
-    fn simulate(&self, bench: &Bench) -> String {
+    pub(super) fn simulate(&self, bench: &Bench) -> String {
         write_files(self.path(), bench.files()).expect("the directory can be written");
         let compiled = self.path().join("bench.vvp");
         let mut command = Command::new("iverilog");
@@ -184,19 +185,19 @@ fn runtime() -> &'static Path {
 }
 
 /// Integers of the outputs, by the scalar backend.
-fn expected(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
+pub(super) fn expected(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
     scalar(design, ports, effects, p).values().to_vec()
 }
 
 /// A design with vectors and the results of the scalar backend.
-struct Case {
-    written: Written,
-    inputs: Vec<Vec<i64>>,
-    outputs: Vec<Vec<i64>>,
+pub(super) struct Case {
+    pub(super) written: Written,
+    pub(super) inputs: Vec<Vec<i64>>,
+    pub(super) outputs: Vec<Vec<i64>>,
 }
 
 impl Case {
-    fn new(design: Design, count: usize, options: &Options) -> Self {
+    pub(super) fn new(design: Design, count: usize, options: &Options) -> Self {
         let (effects, p) = (&options.effects, &options.precision);
         let net = record::net(design, effects, p);
         let inputs = inputs(design, &net, count, effects, p);
@@ -208,11 +209,11 @@ impl Case {
         self.written.verilog.top.as_ref().expect("a top")
     }
 
-    fn bench(&self) -> Bench<'_> {
+    pub(super) fn bench(&self) -> Bench<'_> {
         Bench::new(self.top(), &self.inputs, &self.outputs).expect("the ports hold the vectors")
     }
 
-    fn verilate(&self, arguments: &[&str]) {
+    pub(super) fn verilate(&self, arguments: &[&str]) {
         let output = self.written.verilator(&self.bench(), arguments);
         let text = String::from_utf8_lossy(&output.stdout);
         assert!(text.starts_with("PASS"), "{} in Verilator: {text}", self.top().module);

@@ -4,7 +4,7 @@ use super::operation::Operation;
 use crate::graph::{Kind, NodeId, Op};
 use crate::range::{Exact, Range, Ranges, difference};
 use crate::relational_facts::RelationalFacts;
-use crate::unit::{Unit, signed_digits};
+use crate::unit::{Unit, signed_digits, signed_powers};
 use crate::verilog::body::{Body, mask};
 use crate::verilog::value::{Value, constant_bits};
 
@@ -161,9 +161,25 @@ impl Operation for Mul {
     fn reads(&self, body: &Body, _: u128, _: u32, _: u32) -> Vec<(NodeId, u128)> {
         [self.0, self.1].map(|operand| (operand, body.all_bits(operand))).into()
     }
-    fn expression(&self, body: &Body, _: u32, _: u32, rank: u32) -> String {
-        let signed = [self.0, self.1].iter().any(|&id| body.range(id).signed());
-        let [a, b] = [self.0, self.1].map(|id| body.factor(id, signed, rank));
-        format!("{a} * {b}")
+    /// A product; with a constant it is a sum of shifted operands, so that no tool takes a multiplier for it.
+    fn expression(&self, body: &Body, first: u32, last: u32, rank: u32) -> String {
+        let (by, operand) = match (body.constant(self.0), body.constant(self.1)) {
+            (Some(by), _) => (by, self.1),
+            (None, Some(by)) => (by, self.0),
+            (None, None) => {
+                let signed = [self.0, self.1].iter().any(|&id| body.range(id).signed());
+                let [a, b] = [self.0, self.1].map(|id| body.factor(id, signed, rank));
+                return format!("{a} * {b}");
+            }
+        };
+        signed_powers(by).into_iter().fold(String::new(), |sum, (negative, k)| {
+            let term = body.shifted(operand, k, first, last, rank).code;
+            match (sum.is_empty(), negative) {
+                (true, false) => term,
+                (true, true) => format!("-{term}"),
+                (false, false) => format!("{sum} + {term}"),
+                (false, true) => format!("{sum} - {term}"),
+            }
+        })
     }
 }

@@ -18,6 +18,8 @@ pub(crate) struct Body<'a> {
     pub(crate) reads: HashMap<NodeId, BTreeMap<u32, u64>>,
     pub(crate) names: HashMap<NodeId, String>,
     pub(crate) last_rank: u32,
+    /// Ranks at which the operation at hand reads wires, where they are not its own; only folded designs have such wires.
+    pub(crate) registers: HashMap<NodeId, u32>,
 }
 
 /// Bits `low` up to `high`.
@@ -106,9 +108,17 @@ impl Body<'_> {
     }
 
     pub(crate) fn text(&self, id: NodeId, low: u32, high: u32, rank: u32) -> Text {
+        self.shifted(id, 0, low, high, rank)
+    }
+
+    /// Bits `low` up to `high` of a node times 2^k.
+    pub(crate) fn shifted(&self, id: NodeId, k: u32, low: u32, high: u32, rank: u32) -> Text {
         match self.value(id) {
-            Value::Constant(value) => constant_bits(value, low, high),
-            Value::Bits(view) => view_bits(&view, &self.wire(view.base, rank), low, high),
+            Value::Constant(value) => constant_bits(value << k, low, high),
+            Value::Bits(view) => {
+                let rank = self.registers.get(&view.base).copied().unwrap_or(rank);
+                view_bits(&view.shl(k), &self.wire(view.base, rank), low, high)
+            }
         }
     }
 

@@ -46,7 +46,7 @@ impl<'a> Body<'a> {
     }
 
     /// Bits of the operands that are read to deliver `bits`.
-    fn operands(&self, driver: Driver, bits: u64) -> Vec<(NodeId, u128)> {
+    pub(super) fn operands(&self, driver: Driver, bits: u64) -> Vec<(NodeId, u128)> {
         let (low, high) = hull(bits);
         let (first, last) = self.span(driver, low, high);
         match driver {
@@ -107,6 +107,15 @@ impl<'a> Body<'a> {
         inputs: &[NodeId],
         outputs: &[NodeId],
     ) -> Result<Self, VerilogError> {
+        let mut body = Self::placed(context, nodes, inputs)?;
+        body.demand(outputs);
+        Ok(body)
+    }
+
+    /// Body with the wires of these nodes, of which nobody reads anything yet.
+    ///
+    /// Errors: a single operation is deeper than the target depth.
+    pub(super) fn placed(context: Context<'a>, nodes: &'a [NodeId], inputs: &[NodeId]) -> Result<Self, VerilogError> {
         let mut body = Self {
             context,
             nodes,
@@ -115,9 +124,9 @@ impl<'a> Body<'a> {
             reads: HashMap::new(),
             names: HashMap::new(),
             last_rank: 0,
+            registers: HashMap::new(),
         };
         body.place(inputs)?;
-        body.demand(outputs);
         Ok(body)
     }
 

@@ -4,7 +4,6 @@
 //! …`), and a claim drops the bits that its lemma excludes. With a target depth each operation is placed at the earliest rank at which its operands
 //! are ready; registers hold the bits that later ranks read.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -13,11 +12,11 @@ use super::context::{Context, Names};
 use super::driver::Driver;
 use super::error::VerilogError;
 use super::format::{Format, vector};
-use super::rom::{Rom, count_bits};
 use super::share::Group;
 use super::text::{END, header, identifier};
-use super::value::{View, Wire, constant_bits, view_bits};
-use crate::graph::{NodeId, Op};
+use super::value::Wire;
+use super::wire::Parts;
+use crate::graph::{NodeId, Tap};
 
 /// A port of a module, named for the first run.
 #[derive(Clone, Debug)]
@@ -40,10 +39,8 @@ pub(super) struct Module {
     pub(super) cuts: u32,
     /// Bits of those registers.
     pub(super) register_bits: u32,
-    /// Tables that it reads.
-    pub(super) roms: BTreeMap<String, Rom>,
-    /// Widths of its leading-zero counters.
-    pub(super) leading_zeros: BTreeSet<u32>,
+    /// Modules that it has instances of.
+    pub(super) parts: Parts,
 }
 
 /// Names of a group's inputs: the common part of the runs' names for them, made unique.
@@ -127,8 +124,7 @@ impl Module {
             outputs,
             cuts: body.last_rank,
             register_bits: 0,
-            roms: BTreeMap::new(),
-            leading_zeros: BTreeSet::new(),
+            parts: Parts::default(),
         };
         module.name_wires(&mut body, group, &mut names);
         module.write(&body, group)?;
@@ -275,81 +271,16 @@ impl Module {
         rank: u32,
     ) -> Result<(), VerilogError> {
         let context = body.context;
-        let net = context.net;
         let wire = body.wire(id, rank);
-        let driver = body.driver(id);
-        let (first, last) = body.span(driver, wire.low, wire.high);
         let is_port = self.outputs.iter().any(|port| port.name == wire.name);
-        let about = if let (Op::Claim { low, high, lemma, .. }, Driver::Op(_)) = (body.op(id), driver) {
-            // The claim is in units of the wire's lowest bit.
-            format!(" // claim: {} .. {} by lemma {lemma}", low >> wire.low, high >> wire.low)
-        } else if is_port {
+        let about = if is_port {
             String::new()
-        } else if let Some(tap) = net.taps.iter().find(|tap| tap.node == id && tap.stage == Some(group.runs[0].stage)) {
-            format!(" // tap {}", context.about(id, &tap.name))
         } else {
-            String::new()
+            let own = |tap: &&Tap| tap.node == id && tap.stage == Some(group.runs[0].stage);
+            let tap = context.net.taps.iter().find(own);
+            tap.map_or_else(String::new, |tap| format!(" // tap {}", context.about(id, &tap.name)))
         };
-        let declared = format!("{}{}", vector(wire.width(), wire.signed), wire.name);
-        // These bits are computed and dropped.
-        let mut target = Vec::new();
-        let mut dropped = Vec::new();
-        if last > wire.high {
-            let name = format!("{}_unused_high", wire.name);
-            dropped.push(format!("{}{name}", vector(last - wire.high, false)));
-            target.push(name);
-        }
-        target.push(wire.name.clone());
-        if wire.low > first {
-            let name = format!("{}_unused", wire.name);
-            dropped.push(format!("{}{name}", vector(wire.low - first, false)));
-            target.push(name);
-        }
-        let target = if let [alone] = &target[..] { alone.clone() } else { format!("{{{}}}", target.join(", ")) };
-        let own = (!is_port).then_some(&declared);
-        let wires: Vec<String> = own.into_iter().chain(&dropped).map(|wire| format!("wire {wire};")).collect();
-        let declare = |text: &mut String| {
-            if wires.is_empty() { Ok(()) } else { writeln!(text, "  {}", wires.join(" ")) }
-        };
-        let right = match (driver, body.op(id)) {
-            (Driver::Op(_), Op::Lookup(index, table)) => {
-                let rom = Rom::new(table).ok_or_else(|| VerilogError::UnknownTable(net.origin(id)))?;
-                declare(text)?;
-                let index = body.text(index, 0, rom.index_bits(), rank).code;
-                writeln!(text, "  {} {}_rom (.index({index}), .entry({target}));", rom.name(), wire.name)?;
-                self.roms.insert(rom.name(), rom);
-                return Ok(());
-            }
-            (Driver::Op(_), Op::LeadingZeros(a)) => {
-                let width = body.counted(a);
-                self.leading_zeros.insert(width);
-                let bits = count_bits(width);
-                // If the number's size is known, high bits of the count are known, too.
-                let used = last.clamp(1, bits);
-                let count = format!("{}_count", wire.name);
-                let value = body.text(a, 0, width, rank).code;
-                write!(text, "  wire {}{count};", vector(used, false))?;
-                let place = if used < bits {
-                    write!(text, " wire {}{count}_unused;", vector(bits - used, false))?;
-                    format!("{{{count}_unused, {count}}}")
-                } else {
-                    count.clone()
-                };
-                writeln!(text, "\n  leading_zeros_{width} {count}er (.value({value}), .count({place}));")?;
-                let counted = Wire { name: count, low: 0, high: used, signed: false };
-                let above = i64::from(net.node(a).kind.bits() - width);
-                let counted = view_bits(&View::of(id), &counted, first, last).code;
-                if above == 0 { counted } else { format!("{counted} + {}", constant_bits(above, first, last).code) }
-            }
-            _ => body.expression(driver, first, last, rank),
-        };
-        if dropped.is_empty() && !is_port {
-            writeln!(text, "  wire {declared} = {right};{about}")?;
-        } else {
-            declare(text)?;
-            writeln!(text, "  assign {target} = {right};{about}")?;
-        }
-        Ok(())
+        self.parts.drive(text, body, id, rank, is_port, &about)
     }
 
     /// Registers from a rank to the next: all earlier values that are still read. Names the bits that nobody reads.
@@ -385,7 +316,7 @@ impl Module {
 }
 
 /// Ranges of bits of a wire that are not read.
-fn unread(wire: &Wire, reads: u64) -> Vec<String> {
+pub(super) fn unread(wire: &Wire, reads: u64) -> Vec<String> {
     let missing = mask(wire.low, wire.high) as u64 & !reads;
     let mut parts = Vec::new();
     let mut from = wire.low;

@@ -67,6 +67,53 @@ impl Signals<'_> {
     }
 }
 
+/// Names that a top has in any case.
+pub(super) const TAKEN: [&str; 9] =
+    ["clk", "rst", "in_valid", "in_ready", "out_valid", "out_ready", "advance", "valid", "LATENCY"];
+
+/// Input of the top, and the name of its register.
+pub(super) fn input(context: Context, names: &mut Names, place: usize) -> (PortDescription, String) {
+    let port = &context.net.ports[place];
+    // A port is constant only if everything joined with it is; it keeps its declared width for its driver.
+    let fraction_bits = context.path_of(port.node).map_or(0, |(_, fraction_bits)| fraction_bits);
+    let format = Format::new(context.ranges.of(port.node), fraction_bits, port.kind == Kind::Flag);
+    let name = if port.name.is_empty() { "value" } else { &port.name };
+    let base = identifier(name);
+    let verilog = names.take(&format!("in_{base}_{format}"));
+    let signal = names.take(&format!("{base}_{format}"));
+    (PortDescription::new(name, &verilog, format, [port.low, port.high], place), signal)
+}
+
+/// Outputs of the top; a constant has no port.
+pub(super) fn outputs(context: Context, names: &mut Names) -> Vec<PortDescription> {
+    let net = context.net;
+    let mut outputs = Vec::new();
+    for (place, output) in net.outputs.iter().enumerate() {
+        if net.constant(output).is_some() {
+            continue;
+        }
+        let kind = net.node(output.node).kind;
+        let range = context.ranges.of(output.node);
+        let format = Format::new(range, output.fraction_bits, kind == Kind::Flag);
+        let name = if output.name.is_empty() { "result" } else { &output.name };
+        let verilog = names.take(&format!("out_{}_{format}", identifier(name)));
+        outputs.push(PortDescription::new(name, &verilog, format, [range.low, range.high], place));
+    }
+    outputs
+}
+
+/// Lines of the list of ports of a top, with its handshake.
+pub(super) fn port_lines(inputs: &[PortDescription], outputs: &[PortDescription]) -> Vec<(String, String)> {
+    let mut lines = handshake_ports();
+    for (way, ports) in [("input ", inputs), ("output", outputs)] {
+        lines.extend(ports.iter().map(|port| {
+            let declared = vector(port.format.width(), port.format.signed());
+            (format!("{way} wire {declared}{}", port.port), format!("{}: {}", port.name, port.format.describe()))
+        }));
+    }
+    lines
+}
+
 /// Writes the top `name` over the modules of the groups.
 pub(super) fn top(
     context: Context,
@@ -77,24 +124,16 @@ pub(super) fn top(
 ) -> Result<Top, VerilogError> {
     let net = context.net;
     let mut names = Names::default();
-    for taken in ["clk", "rst", "in_valid", "in_ready", "out_valid", "out_ready", "advance", "valid", "LATENCY"] {
+    for taken in TAKEN {
         names.take(taken);
     }
-    // A port is constant only if everything joined with it is; it keeps its declared width for its driver.
-    let port_format = |id: NodeId| {
-        let fraction_bits = context.path_of(id).map_or(0, |(_, fraction_bits)| fraction_bits);
-        Format::new(context.ranges.of(id), fraction_bits, net.node(id).kind == Kind::Flag)
-    };
     let mut inputs = Vec::new();
     let mut signals = Signals { context, ranks: HashMap::new(), names: HashMap::new(), later: BTreeMap::new() };
-    for (place, port) in net.ports.iter().enumerate() {
-        let format = port_format(port.node);
-        let name = if port.name.is_empty() { "value" } else { &port.name };
-        let base = identifier(name);
-        let verilog = names.take(&format!("in_{base}_{format}"));
-        signals.names.insert(port.node, names.take(&format!("{base}_{format}")));
-        signals.ranks.insert(port.node, 0);
-        inputs.push(PortDescription::new(name, &verilog, format, [port.low, port.high], place));
+    for place in 0..net.ports.len() {
+        let (input, signal) = input(context, &mut names, place);
+        signals.names.insert(net.ports[place].node, signal);
+        signals.ranks.insert(net.ports[place].node, 0);
+        inputs.push(input);
     }
 
     // Stages in the order of execution; every input comes from an earlier one.
@@ -133,18 +172,7 @@ pub(super) fn top(
             signals.read(id, last);
         }
     }
-    let mut outputs = Vec::new();
-    for (place, output) in net.outputs.iter().enumerate() {
-        if net.constant(output).is_some() {
-            continue;
-        }
-        let kind = net.node(output.node).kind;
-        let format = Format::new(context.ranges.of(output.node), output.fraction_bits, kind == Kind::Flag);
-        let name = if output.name.is_empty() { "result" } else { &output.name };
-        let verilog = names.take(&format!("out_{}_{format}", identifier(name)));
-        let range = context.ranges.of(output.node);
-        outputs.push(PortDescription::new(name, &verilog, format, [range.low, range.high], place));
-    }
+    let outputs = outputs(context, &mut names);
 
     let is_read = net.ports_read();
     let (inputs, unread): (Vec<_>, Vec<_>) = inputs.into_iter().partition(|port| is_read[port.place]);
@@ -152,17 +180,7 @@ pub(super) fn top(
     let latency = last + 1;
     let mut text = top_header(context, name, description, latency, &instances);
     text += &format!("module {name} (\n");
-    let mut lines = handshake_ports();
-    let about = |port: &PortDescription| format!("{}: {}", port.name, port.format.describe());
-    for port in &inputs {
-        let declared = vector(port.format.width(), port.format.signed());
-        lines.push((format!("input  wire {declared}{}", port.port), about(port)));
-    }
-    for port in &outputs {
-        let declared = vector(port.format.width(), port.format.signed());
-        lines.push((format!("output wire {declared}{}", port.port), about(port)));
-    }
-    text += &port_list(&lines);
+    text += &port_list(&port_lines(&inputs, &outputs));
     text += ");\n\n";
     text += &format!(
         "  // Cycles from an accepted input to its output, while out_ready is high.\n  localparam LATENCY = {latency};\n"

@@ -28,13 +28,19 @@ pub(super) struct Group {
     pub(super) runs: Vec<Run>,
 }
 
+/// Operations with places for operands: nodes that are equal are the same hardware.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Local {
+    operations: Vec<(Op, Kind)>,
+    constants: Vec<i64>,
+    inputs: Vec<Kind>,
+}
+
 /// Structure of a run; runs with equal structures are the same hardware.
 #[derive(PartialEq)]
 struct Structure {
     name: &'static str,
-    operations: Vec<(Op, Kind)>,
-    constants: Vec<i64>,
-    inputs: Vec<Kind>,
+    local: Local,
     taps: Vec<(NodeId, String, u32)>,
 }
 
@@ -42,32 +48,41 @@ struct Structure {
 const INPUT: NodeId = 1 << 30;
 const CONSTANT: NodeId = 1 << 31;
 
+impl Local {
+    /// Operations of some nodes, and the other wires that they read, in the order of their first use.
+    pub(super) fn new(net: &Net, nodes: &[NodeId]) -> (Self, Vec<NodeId>) {
+        let place: HashMap<NodeId, NodeId> = nodes.iter().copied().zip(0..).collect();
+        let mut inputs: Vec<NodeId> = Vec::new();
+        let mut constants = Vec::new();
+        let mut local = |id: NodeId| {
+            if let Some(&place) = place.get(&id) {
+                return place;
+            }
+            if let Op::Lit(value) = net.node(id).op {
+                constants.push(value);
+                return CONSTANT | (constants.len() - 1) as NodeId;
+            }
+            let known = inputs.iter().position(|&input| input == id);
+            INPUT
+                | known.unwrap_or_else(|| {
+                    inputs.push(id);
+                    inputs.len() - 1
+                }) as NodeId
+        };
+        let operations = nodes.iter().map(|&id| (net.node(id).op.map(&mut local), net.node(id).kind)).collect();
+        let kinds = inputs.iter().map(|&input| net.node(input).kind).collect();
+        (Self { operations, constants, inputs: kinds }, inputs)
+    }
+}
+
 /// The run of a stage with its structure; inputs in the order of their first use.
 fn run_of(net: &Net, stage: u32, nodes: Vec<NodeId>) -> (Run, Structure) {
+    let (local, inputs) = Local::new(net, &nodes);
     let place: HashMap<NodeId, NodeId> = nodes.iter().copied().zip(0..).collect();
-    let mut inputs: Vec<NodeId> = Vec::new();
-    let mut constants = Vec::new();
-    let mut local = |id: NodeId| {
-        if let Some(&place) = place.get(&id) {
-            return place;
-        }
-        if let Op::Lit(value) = net.node(id).op {
-            constants.push(value);
-            return CONSTANT | (constants.len() - 1) as NodeId;
-        }
-        let known = inputs.iter().position(|&input| input == id);
-        INPUT
-            | known.unwrap_or_else(|| {
-                inputs.push(id);
-                inputs.len() - 1
-            }) as NodeId
-    };
-    let operations = nodes.iter().map(|&id| (net.node(id).op.map(&mut local), net.node(id).kind)).collect();
     let own = net.taps.iter().filter(|tap| tap.stage == Some(stage));
     let taps = own.filter_map(|tap| Some((*place.get(&tap.node)?, tap.name.clone(), tap.fraction_bits))).collect();
     let name = net.runs[stage as usize].name;
-    let kinds = inputs.iter().map(|&input| net.node(input).kind).collect();
-    (Run { stage, nodes, inputs }, Structure { name, operations, constants, inputs: kinds, taps })
+    (Run { stage, nodes, inputs }, Structure { name, local, taps })
 }
 
 /// Groups the runs of stages that have operations, in the order of their first run.

@@ -5,7 +5,7 @@
 use super::format::{Format, vector};
 use super::interface::{Interface, PortDescription};
 use super::module::port_list;
-use super::pipeline::{Top, handshake_ports};
+use super::pipeline::handshake_ports;
 use super::text::{filled, header};
 use super::value::literal;
 use crate::interval::Range;
@@ -17,12 +17,11 @@ const COUNT: &str = "probes.count";
 const LOD: &str = "probes.lod";
 
 /// Stepper around a step; `None` if the design is no step.
-pub(super) fn stepper(top: &Top, origin: &str) -> Option<(Interface, String)> {
-    let step = &top.interface;
+pub(super) fn stepper(step: &Interface, unread: &[PortDescription], origin: &str) -> Option<(Interface, String)> {
     let named = |ports: &[PortDescription], name: &str| ports.iter().find(|port| port.name == name).cloned();
     let input = |name| named(&step.inputs, name);
     // The step does not read the level of detail, but the reader of its probes does.
-    let (Some(index), Some(count), Some(lod)) = (input(INDEX), input(COUNT), named(&top.unread, LOD)) else {
+    let (Some(index), Some(count), Some(lod)) = (input(INDEX), input(COUNT), named(unread, LOD)) else {
         return None;
     };
 

@@ -35,7 +35,7 @@ impl Small {
 
     fn node(&mut self, op: Op, kind: Kind) -> NodeId {
         let id = self.net.nodes.len() as NodeId;
-        self.net.nodes.push(Node { op, kind, stage: None, at: Location::caller() });
+        self.net.nodes.push(Node { op, kind, stage: None, part: None, at: Location::caller() });
         match kind {
             Kind::Wire(32) => self.words.push(id),
             Kind::Wire(_) => self.wides.push(id),

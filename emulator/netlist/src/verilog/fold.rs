@@ -1,0 +1,79 @@
+//! The folded design: few units that many operations use in turn.
+//!
+//! A flat design begins a fragment each cycle and has a multiplier for every product. A folded one begins a fragment every `interval` cycles, on a
+//! given number of multipliers. Runs of a stage that are the same hardware exist once (`shape`), expensive operations share units (`units`), a modulo
+//! schedule gives each operation its cycle (`tasks`, `schedule`), and `text` writes the top. `machine` runs the schedule in integers, `slots` lists it.
+
+mod folded;
+mod machine;
+mod schedule;
+mod shape;
+mod slots;
+mod tasks;
+mod text;
+mod units;
+
+use std::collections::BTreeMap;
+
+pub use self::folded::{FOLDED_DEPTH, FoldSummary, Folded, UnitSummary};
+pub use self::machine::{Fault, Machine};
+pub use self::slots::Slot;
+use self::units::Hardware;
+use super::context::Context;
+use super::error::VerilogError;
+use super::interface::Interface;
+use super::module::Module;
+use super::share::Group;
+use super::text::filled;
+use super::wire::Parts;
+use crate::interval::Ranges;
+
+/// Multiplier of two signed operands, with a rank of registers before and one after it.
+const MULTIPLIER: &str = include_str!("templates/multiplier.v");
+
+/// A folded design as Verilog.
+pub(super) struct FoldedVerilog {
+    pub(super) interface: Interface,
+    pub(super) files: BTreeMap<String, String>,
+    pub(super) modules: Vec<Module>,
+    pub(super) parts: Parts,
+    pub(super) register_bits: u32,
+    pub(super) summary: FoldSummary,
+}
+
+/// Folds a proven design without writing it.
+pub(super) fn fold(flat: Context, own: &Ranges, groups: &[Group], multipliers: u32) -> Result<Folded, VerilogError> {
+    Ok(Folded::new(flat, own, groups, multipliers, |_, _| Ok(()))?.0)
+}
+
+/// Folds a proven design on a number of multipliers and writes it. `own` are the ranges of every wire by itself, `flat` has those of the flat design.
+pub(super) fn write(
+    flat: Context,
+    own: &Ranges,
+    groups: &[Group],
+    multipliers: u32,
+    name: &str,
+    description: &str,
+) -> Result<FoldedVerilog, VerilogError> {
+    let (folded, top) =
+        Folded::new(flat, own, groups, multipliers, |folded, body| text::top(folded, body, flat, name, description))?;
+    let mut files = BTreeMap::new();
+    let mut parts = top.parts;
+    let mut modules = Vec::new();
+    for kind in &folded.kinds {
+        match &kind.hardware {
+            Hardware::Multiplier(_) => {
+                files.insert(format!("{}.v", kind.name), filled(MULTIPLIER, &[("NAME", kind.name.clone())]));
+            }
+            Hardware::Module(module) => {
+                files.insert(format!("{}.v", module.name), module.text.clone());
+                parts.extend(&module.parts);
+                modules.push((**module).clone());
+            }
+        }
+    }
+    files.insert(format!("{name}.v"), top.text);
+    files.insert(format!("{name}.slots.txt"), folded.slot_table());
+    let summary = folded.summary();
+    Ok(FoldedVerilog { interface: top.interface, files, modules, parts, register_bits: top.register_bits, summary })
+}

@@ -1,0 +1,138 @@
+//! A folded netlist with its schedule, and its figures.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use serde::Serialize;
+
+use super::super::body::Body;
+use super::super::context::Context;
+use super::super::error::VerilogError;
+use super::super::share::Group;
+use super::super::text::identifier;
+use super::schedule::Schedule;
+use super::shape::Shape;
+use super::tasks::{Task, Tasks};
+use super::units::{self, Hardware, UnitKind};
+use crate::graph::{NodeId, Op};
+use crate::interval::Ranges;
+
+/// Most levels of logic in a cycle of a folded design, unless the user gives another number.
+pub const FOLDED_DEPTH: u32 = 24;
+
+/// A folded netlist with its schedule.
+#[derive(Clone, Debug)]
+pub struct Folded {
+    pub(super) shape: Shape,
+    pub(super) kinds: Vec<UnitKind>,
+    pub(super) tasks: Tasks,
+    pub(super) schedule: Schedule,
+    /// Highest register of each wire that somebody reads; 0 is the wire itself.
+    pub(super) registers: HashMap<NodeId, u32>,
+    multipliers: u32,
+    depth: u32,
+}
+
+/// Use of the units of a kind.
+#[derive(Clone, Debug, Serialize)]
+pub struct UnitSummary {
+    /// Name of the unit's module.
+    pub name: String,
+    /// Units of this kind.
+    pub units: u32,
+    /// Operations that use them, for each fragment.
+    pub uses: u32,
+    /// Cycles from the choice of the operands to the outcome.
+    pub latency: u32,
+}
+
+/// Figures of a folded design.
+#[derive(Clone, Debug, Serialize)]
+pub struct FoldSummary {
+    /// Cycles from a fragment to the next.
+    pub interval: u32,
+    /// Least interval that the multipliers allow.
+    pub bound: u32,
+    /// Cycles from an accepted input to its output.
+    pub latency: u32,
+    /// Most levels of logic in a cycle.
+    pub depth: u32,
+    /// Kinds of units.
+    pub units: Vec<UnitSummary>,
+    /// Operations with hardware of their own.
+    pub glue: u32,
+    /// Registers that hold a value from one cycle to later ones.
+    pub values: u32,
+}
+
+impl Folded {
+    /// Folds a proven design on a number of multipliers. `own` are the ranges of every wire by itself; the body has the values of its wires.
+    pub(super) fn new<R>(
+        flat: Context,
+        own: &Ranges,
+        groups: &[Group],
+        multipliers: u32,
+        with: impl FnOnce(&Self, Body) -> Result<R, VerilogError>,
+    ) -> Result<(Self, R), VerilogError> {
+        let depth = flat.depth.unwrap_or(FOLDED_DEPTH);
+        let shape = Shape::new(flat.net, own, groups);
+        let kinds = units::kinds(&shape, depth, flat.prefix, flat.origin)?;
+        let (net, ranges) = (shape.net.clone(), shape.ranges.clone());
+        let context = Context { net: &net, ranges: &ranges, depth: None, ..flat };
+        let of_units: BTreeSet<NodeId> =
+            kinds.iter().flat_map(|kind| &kind.uses).flat_map(|own| own.nodes.clone()).collect();
+        let (inputs, nodes): (Vec<NodeId>, Vec<NodeId>) = (0..net.nodes.len() as NodeId)
+            .partition(|id| of_units.contains(id) || matches!(net.node(*id).op, Op::Port(_)));
+        let mut body = Body::placed(context, &nodes, &inputs)?;
+        let tasks = Tasks::new(&shape, &kinds, &mut body);
+        let schedule = Schedule::new(&shape, &kinds, &tasks, multipliers, depth);
+        tasks.demand(&shape, &kinds, &mut body, |task, base, run| {
+            let cycle = task.map_or(schedule.last, |task| schedule.cycles[&task]);
+            let later = match task {
+                Some(Task::Choice(id)) => run * schedule.period(&shape, id),
+                _ => 0,
+            };
+            schedule.register(&shape, base, cycle + later)
+        });
+        let highest = |ranks: &BTreeMap<u32, u64>| ranks.keys().copied().max().unwrap_or(0);
+        let registers = body.reads.iter().map(|(&id, ranks)| (id, highest(ranks))).collect();
+        let folded = Self { shape, kinds, tasks, schedule, registers, multipliers, depth };
+        let made = with(&folded, body)?;
+        Ok((folded, made))
+    }
+
+    pub(super) fn use_count(&self, kind: &UnitKind) -> u32 {
+        kind.uses.iter().map(|own| self.shape.copies[own.nodes[0] as usize]).sum()
+    }
+
+    /// Name of a wire before it is made unique.
+    pub(super) fn wire_name(&self, id: NodeId, number: u32) -> String {
+        let net = &self.shape.net;
+        if let Op::Port(port) = net.node(id).op {
+            return identifier(&net.ports[port as usize].name);
+        }
+        match net.taps.iter().find(|tap| tap.node == id) {
+            Some(tap) => identifier(&net.tap_name(tap)),
+            None => format!("n{number}_{}", net.node(id).op.name()),
+        }
+    }
+
+    /// Figures of the design.
+    pub fn summary(&self) -> FoldSummary {
+        let units = self.kinds.iter().zip(&self.schedule.units).map(|(kind, &units)| UnitSummary {
+            name: kind.name.clone(),
+            units,
+            uses: self.use_count(kind),
+            latency: kind.latency(),
+        });
+        let products = self.kinds.iter().find(|kind| matches!(kind.hardware, Hardware::Multiplier(_)));
+        FoldSummary {
+            interval: self.schedule.interval,
+            bound: products.map_or(1, |kind| self.use_count(kind).div_ceil(self.multipliers)),
+            latency: self.schedule.last + 1,
+            depth: self.depth,
+            units: units.collect(),
+            glue: self.tasks.all.iter().filter(|task| matches!(task, Task::Glue(_))).count() as u32,
+            values: self.registers.values().sum(),
+        }
+    }
+}

@@ -1,0 +1,479 @@
+//! The folded top as Verilog: a ring of phases, units with the choice of their operands, glue, and registers between cycles.
+//!
+//! Register n of a wire is called `NAME_sN`. It takes its value at the end of the phases in which the wire, or register n − 1, has it.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fmt::Write;
+
+use super::super::body::{Body, mask};
+use super::super::context::{Context, Names};
+use super::super::error::VerilogError;
+use super::super::format::vector;
+use super::super::interface::{Interface, PortDescription};
+use super::super::module::{port_list, sink, unread};
+use super::super::pipeline::{TAKEN, input, outputs, port_lines};
+use super::super::text::{END, header};
+use super::super::value::{View, Wire, constant_bits, view_bits};
+use super::super::wire::Parts;
+use super::folded::Folded;
+use super::schedule::stride;
+use super::shape::Join;
+use super::tasks::{Task, bits_of};
+use super::units::{Hardware, UnitKind};
+use crate::graph::{NodeId, Op};
+
+/// Text of the top, and the facts that its surroundings need.
+pub(super) struct Top {
+    pub(super) text: String,
+    pub(super) interface: Interface,
+    pub(super) register_bits: u32,
+    pub(super) parts: Parts,
+}
+
+/// Sources of one operand of one unit: text to the phases in which it is read.
+type Sources = BTreeMap<String, BTreeSet<u32>>;
+
+struct Writer<'a> {
+    folded: &'a Folded,
+    body: Body<'a>,
+    /// Assignments of wires.
+    wires: String,
+    parts: Parts,
+    /// Sources of the operands: kind, unit, place.
+    operands: BTreeMap<(usize, u32, usize), Sources>,
+    /// Outcomes of the units, with the bits that somebody reads.
+    results: BTreeMap<(usize, u32, usize), (Wire, u128)>,
+    register_bits: u32,
+}
+
+/// Choice of a value by the phase: an and-or of the sources.
+fn choice(width: u32, sources: &Sources) -> String {
+    if let [(alone, _)] = &sources.iter().collect::<Vec<_>>()[..] {
+        return (*alone).clone();
+    }
+    let terms = sources.iter().map(|(text, phases)| {
+        let at: Vec<String> = phases.iter().map(|phase| format!("phase[{phase}]")).collect();
+        let at = if let [alone] = &at[..] { alone.clone() } else { format!("({})", at.join(" | ")) };
+        if width == 1 { format!("({at} & {text})") } else { format!("({{{width}{{{at}}}}} & {text})") }
+    });
+    terms.collect::<Vec<_>>().join("\n    | ")
+}
+
+/// Enable of a register that takes its value at the end of some phases.
+fn enable(phases: &[u32]) -> String {
+    let at: Vec<String> = phases.iter().map(|phase| format!("take[{phase}]")).collect();
+    at.join(" | ")
+}
+
+impl Writer<'_> {
+    fn interval(&self) -> u32 {
+        self.folded.schedule.interval
+    }
+
+    /// Text of bits of a node as it is read in a cycle.
+    fn read(&mut self, id: NodeId, cycle: u32, low: u32, high: u32) -> String {
+        self.at(id, cycle);
+        self.body.text(id, low, high, 0).code
+    }
+
+    /// Makes the text that follows read a node in a cycle.
+    fn at(&mut self, id: NodeId, cycle: u32) {
+        if let Some(base) = super::tasks::base(&self.body, id) {
+            let register = self.folded.schedule.register(&self.folded.shape, base, cycle);
+            self.body.registers.insert(base, register);
+        }
+    }
+
+    fn task(&mut self, task: Task) -> Result<(), VerilogError> {
+        let folded = self.folded;
+        let cycle = folded.schedule.cycles[&task];
+        self.body.registers.clear();
+        match task {
+            Task::Glue(id) => {
+                for &read in &folded.tasks.reads[&task] {
+                    self.at(read, cycle);
+                }
+                let line = self.body.context.line(id).map_or_else(String::new, |line| format!(" // {line}"));
+                let about = format!("{line}, cycle {cycle}");
+                self.parts.drive(&mut self.wires, &self.body, id, 0, false, &about)?;
+            }
+            Task::Choice(id) => {
+                let wire = self.body.wire(id, 0);
+                let apart = stride(self.interval(), folded.shape.copies[id as usize]);
+                let mut chosen = Sources::new();
+                for (run, &source) in (0..).zip(folded.shape.sources(id)) {
+                    let time = cycle + run * apart;
+                    let text = self.read(source, time, wire.low, wire.high);
+                    chosen.entry(text).or_default().insert(time % self.interval());
+                }
+                let declared = format!("{}{}", vector(wire.width(), wire.signed), wire.name);
+                writeln!(self.wires, "  wire {declared} =\n    {};", choice(wire.width(), &chosen))?;
+            }
+            Task::Use(kind, number) => {
+                let of_kind = &folded.kinds[kind];
+                let own = &of_kind.uses[number];
+                let units = &folded.schedule.bound[&(kind, number)];
+                let apart = stride(self.interval(), units.len() as u32);
+                for place in 0..own.inputs.len() {
+                    let Some((low, high)) = of_kind.operand(place, self.body.range(own.inputs[place])) else {
+                        continue;
+                    };
+                    let text = self.read(own.inputs[place], cycle, low, high);
+                    for (run, &unit) in (0..).zip(units) {
+                        let phase = (cycle + run * apart) % self.interval();
+                        self.operands
+                            .entry((kind, unit, place))
+                            .or_default()
+                            .entry(text.clone())
+                            .or_default()
+                            .insert(phase);
+                    }
+                }
+                self.outcomes(kind, number, units)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Wires of the outcomes of a use.
+    fn outcomes(&mut self, kind: usize, number: usize, units: &[u32]) -> Result<(), VerilogError> {
+        let folded = self.folded;
+        let of_kind = &folded.kinds[kind];
+        let own = &of_kind.uses[number];
+        let cycle = folded.schedule.cycles[&Task::Use(kind, number)] + of_kind.latency();
+        let apart = stride(self.interval(), units.len() as u32);
+        for &(place, range) in &of_kind.outputs {
+            let id = own.nodes[place];
+            if bits_of(&self.body, id).is_none() {
+                continue;
+            }
+            let wire = self.body.wire(id, 0);
+            let mut sources = Sources::new();
+            for (run, &unit) in (0..).zip(units) {
+                let name = format!("{}_{unit}_out{place}", of_kind.name);
+                let unit_wire = match of_kind.hardware {
+                    Hardware::Multiplier([a, b]) => {
+                        let zeros: u32 = own.inputs.iter().map(|&input| self.body.range(input).zeros.min(62)).sum();
+                        Wire { name, low: zeros, high: zeros + a + b, signed: true }
+                    }
+                    Hardware::Module(_) => Wire { name, low: range.zeros, high: range.top(), signed: range.signed() },
+                };
+                let text = view_bits(&View::of(id), &unit_wire, wire.low, wire.high).code;
+                let (first, end) = (unit_wire.low, unit_wire.high);
+                let read = mask(wire.low.max(first), wire.high.min(end)) >> first;
+                // Bits above the highest one are its copies.
+                let sign = if wire.high > end { 1 << (end - 1 - first) } else { 0 };
+                let plain = Wire { low: 0, high: end - first, ..unit_wire };
+                self.results.entry((kind, unit, place)).or_insert((plain, 0)).1 |= read | sign;
+                sources.entry(text).or_default().insert((cycle + run * apart) % self.interval());
+            }
+            let declared = format!("{}{}", vector(wire.width(), wire.signed), wire.name);
+            let name = folded.shape.net.origin(own.nodes[0]);
+            writeln!(
+                self.wires,
+                "  wire {declared} =\n    {}; // {name}, cycle {cycle}",
+                choice(wire.width(), &sources)
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Registers of every wire that is read later, and of what is kept.
+    fn registers(&mut self, inputs: &[PortDescription]) -> Result<String, VerilogError> {
+        let folded = self.folded;
+        let mut declared = String::new();
+        let mut moves: BTreeMap<Vec<u32>, String> = BTreeMap::new();
+        let mut taken = String::new();
+        let mut ids: Vec<NodeId> = self.body.reads.keys().copied().collect();
+        ids.sort_unstable();
+        self.body.registers.clear();
+        for id in ids {
+            let last = self.body.reads[&id].keys().copied().max().unwrap_or(0);
+            for number in 1..=last {
+                let to = self.body.wire(id, number);
+                let source = match (folded.shape.joins.get(&id), self.body.op(id), number) {
+                    (Some(Join::Outcome { of, .. }), _, 1) => self.body.text(*of, to.low, to.high, 0).code,
+                    (None, Op::Port(place), 1) => {
+                        let port = inputs.iter().find(|port| port.place == place as usize);
+                        let Some(PortDescription { port, format, .. }) = port else { continue };
+                        let (low, high) = (format.zeros, format.zeros + format.width());
+                        let wire = Wire { name: port.clone(), low, high, signed: format.signed() };
+                        view_bits(&View::of(id), &wire, to.low, to.high).code
+                    }
+                    _ => self.body.wire(id, number - 1).slice(to.low, to.high),
+                };
+                writeln!(declared, "  reg {}{};", vector(to.width(), to.signed), to.name)?;
+                self.register_bits += to.width();
+                if number == 1 && matches!(self.body.op(id), Op::Port(_)) && !folded.shape.joins.contains_key(&id) {
+                    writeln!(taken, "      {} <= {source};", to.name)?;
+                    continue;
+                }
+                let phases = folded.schedule.phases(&folded.shape, id, number);
+                writeln!(moves.entry(phases).or_default(), "      {} <= {source};", to.name)?;
+            }
+        }
+        self.wires = format!("{declared}\n{}", self.wires);
+        let mut always =
+            format!("  // A fragment is taken.\n  always @(posedge clk)\n    if (in_ready) begin\n{taken}    end\n");
+        for (phases, moves) in moves {
+            let enable = enable(&phases);
+            writeln!(always, "  always @(posedge clk)\n    if ({enable}) begin\n{moves}    end")?;
+        }
+        Ok(always)
+    }
+
+    /// Units with the registers of their operands.
+    fn units(&mut self) -> Result<(String, String), VerilogError> {
+        let folded = self.folded;
+        let (mut declared, mut text) = (String::new(), String::new());
+        for (kind, of_kind) in folded.kinds.iter().enumerate() {
+            for unit in 0..folded.schedule.units[kind] {
+                let name = format!("{}_{unit}", of_kind.name);
+                let mut connections = vec![".clk(clk)".to_owned(), ".enable(advance)".to_owned()];
+                let mut choices = String::new();
+                let mut used = false;
+                for place in 0..of_kind.inputs.len() {
+                    let Some((width, signed)) = of_kind.port(place) else { continue };
+                    let Some(sources) = self.operands.get(&(kind, unit, place)) else { continue };
+                    used = true;
+                    let value = choice(width, sources);
+                    match &of_kind.hardware {
+                        Hardware::Multiplier(_) => {
+                            let port = ["a", "b"][place];
+                            writeln!(choices, "  wire {}{name}_{port} =\n    {value};", vector(width, true))?;
+                            connections.push(format!(".{port}({name}_{port})"));
+                        }
+                        Hardware::Module(module) => {
+                            let Some(port) = module.inputs.iter().find(|port| port.place == place) else { continue };
+                            writeln!(choices, "  reg {}{name}_in{place};", vector(width, signed))?;
+                            writeln!(
+                                choices,
+                                "  always @(posedge clk)\n    if (advance) {name}_in{place} <=\n    {value};"
+                            )?;
+                            connections.push(format!(".{}({name}_in{place})", port.name));
+                            self.register_bits += width;
+                        }
+                    }
+                }
+                if !used {
+                    continue;
+                }
+                text += &choices;
+                match &of_kind.hardware {
+                    Hardware::Multiplier([a, b]) => {
+                        writeln!(declared, "  wire {}{name}_out0;", vector(a + b, true))?;
+                        connections.push(format!(".product({name}_out0)"));
+                        let connections = connections.join(", ");
+                        writeln!(text, "  {} #(.A({a}), .B({b})) u_{name} ({connections});", of_kind.name)?;
+                        self.register_bits += 2 * (a + b);
+                    }
+                    Hardware::Module(module) => {
+                        if module.cuts == 0 {
+                            connections.drain(..2);
+                        }
+                        self.register_bits += module.register_bits;
+                        let mut moves = String::new();
+                        for port in &module.outputs {
+                            let (width, place) = (port.format.width(), port.place);
+                            let vector = vector(width, port.format.signed());
+                            writeln!(declared, "  reg {vector}{name}_out{place};")?;
+                            writeln!(text, "  wire {vector}{name}_next{place};")?;
+                            connections.push(format!(".{}({name}_next{place})", port.name));
+                            writeln!(moves, "      {name}_out{place} <= {name}_next{place};")?;
+                            self.register_bits += width;
+                        }
+                        let connections = connections.join(",\n    ");
+                        writeln!(text, "  {} u_{name} (\n    {connections}\n  );", module.name)?;
+                        writeln!(text, "  always @(posedge clk)\n    if (advance) begin\n{moves}    end")?;
+                    }
+                }
+            }
+        }
+        Ok((declared, text))
+    }
+}
+
+impl UnitKind {
+    /// Bits of a use's operand that a unit takes, given the operand's range; `None` if the hardware has no such port.
+    fn operand(&self, place: usize, range: crate::interval::Range) -> Option<(u32, u32)> {
+        match &self.hardware {
+            Hardware::Multiplier(widths) => {
+                let low = range.zeros.min(62);
+                Some((low, low + widths[place]))
+            }
+            Hardware::Module(module) => {
+                let port = module.inputs.iter().find(|port| port.place == place)?;
+                Some((port.format.zeros, port.format.zeros + port.format.width()))
+            }
+        }
+    }
+
+    /// Width and sign of an operand's port.
+    fn port(&self, place: usize) -> Option<(u32, bool)> {
+        match &self.hardware {
+            Hardware::Multiplier(widths) => Some((widths[place], true)),
+            Hardware::Module(module) => {
+                let port = module.inputs.iter().find(|port| port.place == place)?;
+                Some((port.format.width(), port.format.signed()))
+            }
+        }
+    }
+}
+
+/// Writes the folded top. `flat` is the context of the design as it is not folded, which gives the ports.
+pub(super) fn top(
+    folded: &Folded,
+    body: Body,
+    flat: Context,
+    name: &str,
+    description: &str,
+) -> Result<Top, VerilogError> {
+    let mut names = Names::default();
+    for taken in TAKEN.into_iter().chain(["phase", "take", "INTERVAL"]) {
+        names.take(taken);
+    }
+    let is_read = flat.net.ports_read();
+    let mut inputs = Vec::new();
+    let mut wire_names: HashMap<NodeId, String> = HashMap::new();
+    for place in 0..flat.net.ports.len() {
+        let (port, signal) = input(flat, &mut names, place);
+        wire_names.insert(folded.shape.net.ports[place].node, signal);
+        inputs.push(port);
+    }
+    let outputs = outputs(flat, &mut names);
+    inputs.retain(|port| is_read[port.place]);
+    let mut body = body;
+    let mut number = 0;
+    for id in 0..folded.shape.net.nodes.len() as NodeId {
+        if body.reads.contains_key(&id) && !wire_names.contains_key(&id) {
+            wire_names.insert(id, names.take(&folded.wire_name(id, number)));
+            number += 1;
+        }
+    }
+    body.names = wire_names;
+    let mut writer = Writer {
+        folded,
+        body,
+        wires: String::new(),
+        parts: Parts::default(),
+        operands: BTreeMap::new(),
+        results: BTreeMap::new(),
+        register_bits: 0,
+    };
+    let mut stage = None;
+    for &task in &folded.tasks.all {
+        let own = folded.tasks.makes[&task].first().and_then(|&id| folded.shape.net.node(id).stage);
+        if own.is_some() && own != stage {
+            stage = own;
+            let instance = own.map_or_else(String::new, |run| folded.shape.net.runs[run as usize].instance());
+            writeln!(writer.wires, "\n  // ---- {instance} ----")?;
+        }
+        writer.task(task)?;
+    }
+    let interval = folded.schedule.interval;
+    let last = folded.schedule.last;
+    writer.body.registers.clear();
+    let mut ends = String::new();
+    for port in &outputs {
+        let id = folded.shape.net.outputs[port.place].node;
+        let (low, high) = (port.format.zeros, port.format.zeros + port.format.width());
+        let text = match folded.shape.ranges.of(id).constant() {
+            Some(value) => constant_bits(value, low, high).code,
+            None => writer.read(id, last, low, high),
+        };
+        writeln!(ends, "  assign {} = {text};", port.port)?;
+    }
+    let always = writer.registers(&inputs)?;
+    let (declared, units) = writer.units()?;
+    let latency = last + 1;
+    let stages = last / interval + 1;
+    let about = vec![
+        format!("{description}."),
+        flat.origin.to_owned(),
+        String::new(),
+        format!("Folded: one input every {interval} cycles, latency {latency} cycles. While out_valid is high and out_ready low"),
+        "nothing moves.".into(),
+        String::new(),
+        "A port is named PATH_FORMAT. Formats: iMfN signed, uMfN unsigned, M integer bits (a sign is one of them) and N".into(),
+        "fraction bits, n for a minus sign: value = integer / 2^N. Comments give the integers a wire can hold.".into(),
+        String::new(),
+        "Units:".into(),
+    ];
+    let units_used = folded.kinds.iter().zip(&folded.schedule.units);
+    let units_about =
+        units_used.map(|(kind, units)| format!("  {units} x {}, {} uses", kind.name, folded.use_count(kind)));
+    let about: Vec<String> = about.into_iter().chain(units_about).collect();
+    let mut text = header(name, &about);
+    text += &format!("module {name} (\n{});\n\n", port_list(&port_lines(&inputs, &outputs)));
+    let valid = if stages == 1 { "taken".to_owned() } else { "{valid[STAGES-2:0], taken}".to_owned() };
+    writeln!(
+        text,
+        "  // Cycles between two inputs, and how many fragments are under way.
+  localparam INTERVAL = {interval};
+  localparam STAGES = {stages};
+
+  // One bit a phase; fragments begin in the first one.
+  reg  [INTERVAL-1:0] phase;
+  reg  [STAGES-1:0] valid;
+  assign out_valid = phase[{}] & valid[STAGES-1];
+  wire advance = out_ready | ~out_valid;
+  wire [INTERVAL-1:0] take = phase & {{INTERVAL{{advance}}}};
+  assign in_ready = take[INTERVAL-1];
+  wire taken = in_valid;
+  always @(posedge clk)
+    if (rst) begin
+      phase <= {};
+      valid <= {{STAGES{{1'b0}}}};
+    end else if (advance) begin
+      phase <= {};
+      if (phase[INTERVAL-1]) valid <= {valid};
+    end
+",
+        last % interval,
+        if interval == 1 { "1'b1" } else { "{{(INTERVAL-1){1'b0}}, 1'b1}" },
+        if interval == 1 { "phase" } else { "{phase[INTERVAL-2:0], phase[INTERVAL-1]}" },
+    )?;
+    text += &declared;
+    text += &writer.wires;
+    writeln!(text, "\n  // ---- registers ----")?;
+    text += &always;
+    writeln!(text, "\n  // ---- units ----")?;
+    text += &units;
+    writeln!(text, "\n  // ---- outputs ----")?;
+    text += &ends;
+    let unused = writer.unused(&inputs);
+    if !unused.is_empty() {
+        writeln!(text, "\n  // Bits nobody reads.")?;
+        text += &sink("unused", &unused);
+    }
+    text += END;
+    let register_bits = writer.register_bits + interval + stages;
+    let interface = Interface { module: name.to_owned(), latency, inputs, outputs };
+    Ok(Top { text, interface, register_bits, parts: writer.parts })
+}
+
+impl Writer<'_> {
+    /// Bits of inputs, wires and registers that nobody reads.
+    fn unused(&self, inputs: &[PortDescription]) -> Vec<String> {
+        let mut parts = Vec::new();
+        for port in inputs {
+            let id = self.folded.shape.net.ports[port.place].node;
+            let (low, high) = (port.format.zeros, port.format.zeros + port.format.width());
+            let wire = Wire { name: port.port.clone(), low, high, signed: port.format.signed() };
+            parts.extend(unread(&wire, self.body.reads_from(id, 1)));
+        }
+        for (wire, reads) in self.results.values() {
+            parts.extend(unread(wire, *reads as u64));
+        }
+        let mut ids: Vec<NodeId> = self.body.reads.keys().copied().collect();
+        ids.sort_unstable();
+        for id in ids {
+            let is_kept = self.folded.schedule.made.get(&id).is_some_and(|made| made.kept);
+            let last = self.body.reads[&id].keys().copied().max().unwrap_or(0);
+            for number in u32::from(is_kept)..=last {
+                parts.extend(unread(&self.body.wire(id, number), self.body.reads_from(id, number)));
+            }
+        }
+        parts
+    }
+}
