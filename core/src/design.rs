@@ -118,7 +118,7 @@ macro_rules! designs {
 
 impl Design {
     /// Design whose ports are those of a datapath's vectors.
-    pub const fn of(datapath: Datapath) -> Self {
+    pub const fn for_datapath(datapath: Datapath) -> Self {
         match datapath {
             Datapath::Reflection => Self::Fragment,
             Datapath::Highlight => Self::Highlight,

@@ -45,7 +45,7 @@ pub trait Port: Copy {
     /// Converts the port to wires.
     fn wires(&self) -> Self::Wires;
     /// Converts wires to a port.
-    fn of(wires: &Self::Wires) -> Self;
+    fn from_wires(wires: &Self::Wires) -> Self;
 }
 
 macro_rules! fixed_ports {
@@ -57,7 +57,7 @@ macro_rules! fixed_ports {
                 Fx::from_raw(self.to_bits().into())
             }
             #[inline]
-            fn of(wires: &Self::Wires) -> Self {
+            fn from_wires(wires: &Self::Wires) -> Self {
                 Self::from_bits(wires.raw() as _)
             }
         })*
@@ -83,7 +83,7 @@ macro_rules! integer_ports {
                 Fx::from_raw(*self as i32)
             }
             #[inline]
-            fn of(wires: &Self::Wires) -> Self {
+            fn from_wires(wires: &Self::Wires) -> Self {
                 wires.raw() as Self
             }
         })*
@@ -99,7 +99,7 @@ impl Port for U0F32 {
         Fx::from_raw(self.to_bits().into())
     }
     #[inline]
-    fn of(wires: &Self::Wires) -> Self {
+    fn from_wires(wires: &Self::Wires) -> Self {
         Self::from_bits(wires.raw() as u32)
     }
 }
@@ -111,8 +111,8 @@ impl<P: Port, const N: usize> Port for [P; N] {
         self.map(|port| port.wires())
     }
     #[inline]
-    fn of(wires: &Self::Wires) -> Self {
-        wires.map(|wires| P::of(&wires))
+    fn from_wires(wires: &Self::Wires) -> Self {
+        wires.map(|wires| P::from_wires(&wires))
     }
 }
 
@@ -161,8 +161,8 @@ impl<const N: usize> Port for BlockPort<N> {
         PortBlock { mantissa: self.mantissa.wires(), exponent: self.exponent.wires() }
     }
     #[inline]
-    fn of(wires: &Self::Wires) -> Self {
-        Self { mantissa: Port::of(&wires.mantissa), exponent: Port::of(&wires.exponent) }
+    fn from_wires(wires: &Self::Wires) -> Self {
+        Self { mantissa: Port::from_wires(&wires.mantissa), exponent: Port::from_wires(&wires.exponent) }
     }
 }
 
