@@ -299,14 +299,14 @@ bundle! {
         #[range(0..=14)]
         #[port = I16F16]
         lod: Control<W, LOD>,
-        /// sweep of a footprint on the sphere, all of one exponent: centre, first and second. Probe i looks along centre + x·first + x²·second,
-        /// x the i-th of N places of the normal law
+        /// sweep of a footprint on the sphere, with one exponent: centre, first and second. Probe i looks along centre + x·first +
+        /// x²·second, where x is place i of N of the normal distribution
         #[unit = "1"]
         #[out = "sweep"]
         #[range(-1..=1)]
         #[port = [[I2F30; 3]; 3]]
         sweep: [[Mantissa<W>; 3]; 3],
-        /// how far probe i has gone from the i-th of N − 1 places, of which the middle counts twice or a new one stands there, to the i-th of N
+        /// progress of probe i from its place among N − 1 to its place among N; the middle of the N − 1 places counts twice, or a new one lies there
         #[unit = "1"]
         #[out = "sweep"]
         #[range(0..=1)]
