@@ -109,7 +109,7 @@ pub struct Group<W: BatchWord> {
 }
 
 impl<W: BatchWord> Group<W> {
-    /// Bundles of the group's fragments.
+    /// Loads the bundles of the group's fragments.
     #[inline(always)]
     pub(crate) fn load<B: Form>(&self, batch: &Batch<B>) -> In<B, W> {
         let walk = Walk::new::<W, B>(batch, self.first);
