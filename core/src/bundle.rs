@@ -58,7 +58,7 @@ pub enum End {
 impl End {
     /// Picks `low` or `high`.
     #[inline(always)]
-    pub fn of<T>(self, low: T, high: T) -> T {
+    pub fn pick<T>(self, low: T, high: T) -> T {
         match self {
             Self::Low => low,
             Self::High => high,
@@ -68,7 +68,7 @@ impl End {
     /// The end of the range of a wire with `bits` bits.
     #[inline(always)]
     pub fn of_bits(self, bits: u32) -> i64 {
-        self.of(i64::MIN >> (64 - bits), i64::MAX >> (64 - bits))
+        self.pick(i64::MIN >> (64 - bits), i64::MAX >> (64 - bits))
     }
 }
 
@@ -389,8 +389,8 @@ macro_rules! bundle {
                 $name { $($field: $crate::ports::Port::wires(&self.$field),)* }
             }
             #[inline]
-            fn of(wires: &Self::Wires) -> Self {
-                Self { $($field: $crate::ports::Port::of(&wires.$field),)* }
+            fn from_wires(wires: &Self::Wires) -> Self {
+                Self { $($field: $crate::ports::Port::from_wires(&wires.$field),)* }
             }
         }
     };
@@ -430,10 +430,10 @@ impl<X: Wire, const INT: u32> Ranged for Fx<X, INT> {
         Self::lit(end.of_bits(X::BITS))
     }
     fn within(end: End, low: i64, high: i64) -> Self {
-        Self::int(end.of(low, high))
+        Self::int(end.pick(low, high))
     }
     fn below(end: End, low: i64, high: i64) -> Self {
-        end.of(Self::int(low), Self::below(high))
+        end.pick(Self::int(low), Self::below(high))
     }
 }
 
@@ -452,7 +452,7 @@ impl<T: Ranged, const N: usize> Ranged for [T; N] {
 /// The lowest or the highest flag; [`bundle!`](crate::bundle!) uses it.
 pub fn flag_limit<V: Word>(end: End) -> V::Flag {
     let never = V::lit(0).lt(V::lit(0));
-    end.of(never, !never)
+    end.pick(never, !never)
 }
 
 /// A flag that is never set.

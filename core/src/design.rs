@@ -118,7 +118,7 @@ macro_rules! designs {
 
 impl Design {
     /// Design whose ports are those of a datapath's vectors.
-    pub const fn of(datapath: Datapath) -> Self {
+    pub const fn for_datapath(datapath: Datapath) -> Self {
         match datapath {
             Datapath::Reflection => Self::Fragment,
             Datapath::Highlight => Self::Highlight,
@@ -138,22 +138,22 @@ designs! {
     /// log2 of the size of an environment's faces
     MapScale "map_scale": Edge -> MapScale<S>, |input, _, p| datapath::map_scale(input.edge_texels, p);
 
-    /// footprint of a pixel in a repeated map: columns, ellipse, axes, probes
+    /// footprint of a pixel in a wrapped map: columns, ellipse, axes, probes
     Texture "texture": MapFootprintInput -> TextureFootprint<S>,
         |input, _, p| datapath::texture_footprint(&input.duv, &input.texture, &input.map, p);
 
-    /// how much of a texel the probes of a footprint in a repeated map span across
+    /// part of a texel that a probe of a footprint in a wrapped map spans across
     ProbeReach "probe_reach": ProbeReachInput -> Value<S, SHARE>,
         |input, _, p| {
             let [major, minor] = [input.major, input.minor].map(|sigma| Block { m: sigma.m, e: sigma.e });
             Value(datapath::probe_reach([&major, &minor], &input.probes, &input.texture, p))
         };
 
-    /// place and weight of one probe in a repeated map
+    /// place and weight of one probe in a wrapped map
     TextureProbe "texture_probe": TextureProbeInput -> TextureProbe<S>,
         |input, _, p| datapath::texture_probe(&input.centre, &input.probes, input.index, &input.texture, p);
 
-    /// texels and weights of a bilinear sample of a repeated map
+    /// texels and weights of a bilinear sample of a wrapped map
     RepeatAddress "repeat_address": RepeatAddressInput -> RepeatAddress<S>,
         |input, _, p| texel::repeat_address(&input.place, input.size, p);
 
@@ -173,7 +173,7 @@ designs! {
     /// mean moments to offset and roughness d1, d2, d3 or I1
     Bump "bump": BumpInput -> Bump<S>, |input, _, p| texel::bump(&input.mean, &input.scale, p.roughness, p);
 
-    /// all of the reflection datapath with the ports of a vector word: edge of the map in, port formats out
+    /// the whole reflection datapath with the ports of a vector word: edge of the map in, port formats out
     Fragment "fragment" Reflection: ReflectionInput -> ReflectionOutput<S>,
         |input, effects, p| datapath::fragment(input, &effects.reflection(), p);
 
@@ -196,7 +196,7 @@ designs! {
     FaceAddress "face_address": FaceAddressInput -> Address<S>,
         |input, _, p| texel::face_address(&input.place, input.edge, p);
 
-    /// the texels of a bilinear sample of a cube face, behind its edges if need be; three for one at a corner
+    /// the texels of a bilinear sample of a cube face, across its edges if needed; three at a corner
     FaceTexels "face_texels": FaceTexelsInput -> [CubeTexel<S>; 4],
         |input, _, _| texel::face_texels(input.face, &input.address, input.edge);
 
@@ -221,7 +221,7 @@ designs! {
     WordSample "word_sample": WordSampleInput -> Value<S, 32>,
         |input, _, _| Value(texel::word_sample(&input.fine, &input.coarse, input.level_weight));
 
-    /// one more sample of a weighted sum over probes
+    /// weighted sum over probes, with one sample added
     ProbeSum "probe_sum": ProbeSumInput -> ProbeSum<S>,
         |input, _, _| texel::probe_sum(&input.sum, input.sample, input.weight);
 
@@ -235,10 +235,10 @@ designs! {
     Modulated "modulated": ModulatedInput -> Value<S, LIGHT>,
         |input, _, _| Value(pixel::modulated::<W>(input.colours[0], input.colours[1]));
 
-    /// the core of a lobe: its roughness tangents
+    /// the roughness tangents of the core of a lobe
     LobeCore "lobe_core": LobeCoreInput -> [Block<S, 3>; 2], |input, _, _| datapath::lobe_core(&input.rough);
 
-    /// the mean of what two lobes of a surface show
+    /// the mean of the colours of two lobes of a surface
     Lobes "lobes": LobesInput -> Value<S, LIGHT>,
         |input, _, _| Value(pixel::lobes::<W>(input.colours[0], input.colours[1]));
 
@@ -259,24 +259,24 @@ designs! {
         Value(pixel::bright_blend::<W>(input.surface, input.mean, input.exponent, input.reflectance))
     };
 
-    /// a direction in the frame of a surface, at unit length
+    /// a direction in the tangent basis of a surface, at unit length
     Local "local": LocalInput -> LocalDirection<S>,
         |input, _, p| datapath::local_direction(&input.direction, &input.frame, &input.normal, p);
 
-    /// one more stored peak of a distribution of normals
+    /// light of a distribution of normals, with one stored peak added
     Peak "peak": StoredPeakInput -> PeakSum<S>, |input, _, p| {
         datapath::peak_sum(&input.sum, datapath::packed_peak(&input.half, input.words, input.weight, p))
     };
 
-    /// the share of a peak's facets that light and eye both clear, with shares that are correlated
+    /// the share of a peak's facets that light and eye both clear, if their shares are correlated
     Horizon "horizon": HorizonInput -> Value<S, SHARE>, |input, _, p| {
         let [light, eye] = crate::each::each!(local in [input.light, input.eye] => datapath::horizon_slopes(&local, p));
         Value(datapath::horizon(&light, &eye, &input.horizon, HorizonKind::Correlated, p))
     };
 
-    /// one more colour in the light of a pixel
+    /// the light of a pixel, with one colour added
     PixelSum "pixel_sum": PixelSumInput -> PixelSum<S>, |input, _, _| pixel::sum(&input.sum, input.colour);
 
-    /// the channel of a pixel, cut to the brightest
+    /// the channel of a pixel, clamped to the brightest
     Pixel "pixel": PixelSum -> Value<S, LIGHT>, |input, _, _| Value(pixel::pixel(input));
 }

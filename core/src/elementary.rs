@@ -139,7 +139,7 @@ fn share_of_interval<W: Word, const INT: u32>(within: Fx<W, INT>, places: u32, f
     if Fx::<W, INT>::FRACTION < places {
         return Fx::zero();
     }
-    within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(fraction_bits)
+    within.reread::<MANTISSA>().shl(INT - MANTISSA + places).quantise(fraction_bits)
 }
 
 /// `log₂ m` for a mantissa m in [½, 1], in [−1, 0], 24 fraction bits. m below ½ reads as ½.
@@ -167,12 +167,12 @@ pub fn exp2<W: Word>(x: Control<W, LOGARITHM>, p: &Precision) -> Number<W> {
     let within = x - Fx::of_index(whole, 0);
     let index = within.index(rom::LOG_BITS);
     let step = within - Fx::of_index(index, rom::LOG_BITS);
-    let fraction = step.reread::<MANTISSA>().shl(LOGARITHM - MANTISSA + rom::LOG_BITS).keep(p.fraction_bits);
+    let fraction = step.reread::<MANTISSA>().shl(LOGARITHM - MANTISSA + rom::LOG_BITS).quantise(p.fraction_bits);
     let knot: Control<W, MANTISSA> = Fx::lookup(index, &rom::EXP2);
     let next: Control<W, MANTISSA> = Fx::lookup(index + Fx::int(1), &rom::EXP2);
     let rise = (next - knot).claim_below(-8, "knots_of_exp2_rise_by_less_than_2_to_the_minus_8");
     // 24 fraction bits of a rise fit an 18-bit operand; the rest would be 2^−25.
-    let rise: Product<W> = between(rise.keep(24), -8, Mantissa::<W>::of_control(fraction));
+    let rise: Product<W> = between(rise.quantise(24), -8, Mantissa::<W>::of_control(fraction));
     let mantissa = (Product::<W>::wide_of_control(knot) + rise).round_to(p.fraction_bits);
     Block { m: [mantissa], e: whole + Fx::int(1) }
 }

@@ -12,8 +12,8 @@
 //! }
 //! ```
 //!
-//! A fragment ([`ReflectionIn`]) gives a [`Footprint`] by `Chrome::reflect`. Its [`probes`](Footprint::probes) say where to read, or its
-//! [`colour`](Footprint::colour) reads a [`CubeMemory`] that the program supplies. A wide lobe has a [`SphereFootprint`], by `sweep`. Nothing
+//! A fragment ([`ReflectionIn`]) gives a [`FaceFootprint`] by `Chrome::reflect`. Its [`probes`](FaceFootprint::probes) say where to read, or its
+//! [`colour`](FaceFootprint::colour) reads a [`CubeMemory`] that the program supplies. A wide lobe has a [`SphereFootprint`], by `sweep`. Nothing
 //! allocates, panics or names a float. Nothing divides except the set-up of a map (`Chrome::texture`). Small processors have a backend of their own
 //! ([`mod@crate::small`]) with the bits of every other backend.
 //!
@@ -113,10 +113,10 @@ pub trait Firmware: Sized {
 
     /// Runs a fragment from its surface to the probes on an environment. `edge_texels` of the fragment is not read.
     #[inline]
-    fn reflect(fragment: &ReflectionIn, environment: &Environment<Self>) -> Footprint<Self> {
+    fn reflect(fragment: &ReflectionIn, environment: &Environment<Self>) -> FaceFootprint<Self> {
         const { assert!(!matches!(Self::EFFECTS.footprint, FootprintKind::Sphere), "a footprint on the sphere is a sweep") }
         let out = reflected(fragment, environment);
-        Footprint { point: out.point, probes: out.probes, status: out.status }
+        FaceFootprint { point: out.point, probes: out.probes, status: out.status }
     }
 
     /// Runs a fragment as [`Self::reflect`] does, with a footprint on the sphere, for wide lobes.
@@ -132,7 +132,7 @@ pub trait Firmware: Sized {
     fn reflection(fragment: &ReflectionIn) -> ReflectionOut {
         let plan = const { Self::EFFECTS.reflection() };
         let input = of_ports::<Word<Self>, _>(&fragment.wires());
-        Port::of(&to_ports(&datapath::fragment(&input, &plan, knobs::<Self>())))
+        Port::from_wires(&to_ports(&datapath::fragment(&input, &plan, knobs::<Self>())))
     }
 
     /// Highlight of one light.
@@ -141,7 +141,7 @@ pub trait Firmware: Sized {
         let plan = const { Self::EFFECTS.highlight() };
         let input = of_ports::<Word<Self>, _>(&fragment.wires());
         let lit = datapath::lit_surface(&input, &plan, knobs::<Self>());
-        Port::of(&to_ports(&datapath::leave_highlight(&lit)))
+        Port::from_wires(&to_ports(&datapath::leave_highlight(&lit)))
     }
 
     /// One light on one stored peak.
@@ -149,7 +149,7 @@ pub trait Firmware: Sized {
     fn peak(fragment: &PeakIn) -> PeakOut {
         let plan = const { Self::EFFECTS.peak() };
         let input = of_ports::<Word<Self>, _>(&fragment.wires());
-        Port::of(&to_ports(&datapath::lit_peak(&input, &plan, knobs::<Self>())))
+        Port::from_wires(&to_ports(&datapath::lit_peak(&input, &plan, knobs::<Self>())))
     }
 
     /// Constants of a wrapped map, edges read as 1…16384. Once per map; the only division.
@@ -173,8 +173,8 @@ pub trait Firmware: Sized {
 fn cube_probe<F: Firmware>(place: &FacePosition<Word<F>>, weight: Control<Word<F>, SHARE>) -> CubeProbe {
     CubeProbe {
         face: place.face.raw().integer() as u8,
-        st: place.st.map(|s| Port::of(&Fx::from_raw(s.raw().integer()))),
-        weight: Port::of(&Fx::from_raw(weight.raw().integer())),
+        st: place.st.map(|s| Port::from_wires(&Fx::from_raw(s.raw().integer()))),
+        weight: Port::from_wires(&Fx::from_raw(weight.raw().integer())),
     }
 }
 
@@ -192,13 +192,13 @@ pub struct Environment<F: Firmware>(MapScale<Word<F>>);
 
 /// Reflection of a fragment: a place on the environment and the probes around it.
 #[derive(Clone, Copy, Debug)]
-pub struct Footprint<F: Firmware> {
+pub struct FaceFootprint<F: Firmware> {
     point: CubePoint<Word<F>>,
     probes: Probes<Word<F>>,
     status: Int<Word<F>>,
 }
 
-impl<F: Firmware> Footprint<F> {
+impl<F: Firmware> FaceFootprint<F> {
     /// Face 0 to 5: +x, −x, +y, −y, +z, −z.
     #[inline]
     pub fn face(&self) -> u8 {
@@ -208,7 +208,7 @@ impl<F: Firmware> Footprint<F> {
     /// The centre on the face.
     #[inline]
     pub fn st(&self) -> FacePlace {
-        self.point.st.map(|s| Port::of(&Fx::from_raw(s.raw().to_port())))
+        self.point.st.map(|s| Port::from_wires(&Fx::from_raw(s.raw().to_port())))
     }
 
     /// Level of detail, 0 to log₂ of the edge.
@@ -237,7 +237,7 @@ impl<F: Firmware> Footprint<F> {
     pub fn colour<M: CubeMemory>(&self, cube: &Cube<'_, M>) -> Light {
         let rough = const { !matches!(F::EFFECTS.roughness, RoughnessKind::None) };
         let light = sampler::environment::<Word<F>, M>(&self.point, &self.probes, rough, cube, knobs::<F>());
-        light.map(|channel| Port::of(&Fx::from_raw(channel.0.raw().integer())))
+        light.map(|channel| Port::from_wires(&Fx::from_raw(channel.0.raw().integer())))
     }
 }
 
@@ -271,7 +271,7 @@ impl<F: Firmware> SphereFootprint<F> {
     pub fn colour<M: CubeMemory>(&self, cube: &Cube<'_, M>) -> Light {
         let rough = const { !matches!(F::EFFECTS.roughness, RoughnessKind::None) };
         let light = sampler::swept_environment::<Word<F>, M>(&self.sweep, rough, cube, knobs::<F>());
-        light.map(|channel| Port::of(&Fx::from_raw(channel.0.raw().integer())))
+        light.map(|channel| Port::from_wires(&Fx::from_raw(channel.0.raw().integer())))
     }
 }
 
@@ -304,8 +304,8 @@ impl<F: Firmware> MapFootprint<F> {
             let Self { centre, probes, scale } = self;
             let probe = datapath::texture_probe(centre, probes, int::<F>(index as i32), scale, knobs::<F>());
             MapProbe {
-                uv: probe.place.uv.map(|u| Port::of(&Fx::from_raw(wide_integer::<F>(u.raw())))),
-                weight: Port::of(&Fx::from_raw(probe.weight.raw().integer())),
+                uv: probe.place.uv.map(|u| Port::from_wires(&Fx::from_raw(wide_integer::<F>(u.raw())))),
+                weight: Port::from_wires(&Fx::from_raw(probe.weight.raw().integer())),
             }
         })
     }

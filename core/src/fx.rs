@@ -4,7 +4,7 @@
 //! A stage is therefore the same for words of any width: a mantissa has 2 bits before the point and a product of two has 4, however many follow.
 //! Adding two different binary points does not compile. The caller states the binary point of a product, which is checked at compile time. A wire is
 //! made where an operation is called, so a backend that records wires knows the line of the stage (`track_caller`). The only lossy conversions are
-//! [`Fx::round_to`], [`Fx::keep`] and those named `saturate`, `floor` or `index`.
+//! [`Fx::round_to`], [`Fx::quantise`] and those named `saturate`, `floor` or `index`.
 
 use core::ops::{Add, Neg, Sub};
 
@@ -206,7 +206,7 @@ impl<W: Word, const INT: u32> Fx<W, INT> {
     /// The value rounded to nearest (ties up) at `fraction_bits` fraction bits.
     #[inline(always)]
     #[track_caller]
-    pub fn keep(self, fraction_bits: u32) -> Self {
+    pub fn quantise(self, fraction_bits: u32) -> Self {
         if W::WHOLE || fraction_bits >= Self::FRACTION {
             return self;
         }

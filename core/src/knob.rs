@@ -1,7 +1,7 @@
 //! The accuracy knobs one by one: names, ranges, and the values between which accuracy changes.
 //!
 //! A value is a number, the same for every kind of knob. It counts bits, steps or probes, or is the place of a choice in [`Knob::choices`]. A loop
-//! over [`Knob::ALL`] therefore serves a sweep, a table or a message.
+//! over [`Knob::ALL`] therefore serves a measurement, a table or a message.
 
 use core::fmt;
 
@@ -119,7 +119,7 @@ impl Knob {
 
     /// Returns true if the knob's value in a precision is in its range.
     fn is_in_range(self, p: &Precision) -> bool {
-        let value = self.of(p);
+        let value = self.value_in(p);
         match self {
             Self::FractionBits => (12..=28).contains(&value),
             Self::ReciprocalSeedBits | Self::InverseRootSeedBits => (6..=10).contains(&value),
@@ -137,7 +137,7 @@ impl Knob {
     }
 
     /// Value of the knob in a precision.
-    pub const fn of(self, p: &Precision) -> u32 {
+    pub const fn value_in(self, p: &Precision) -> u32 {
         match self {
             Self::FractionBits => p.fraction_bits,
             Self::ReciprocalSeedBits => p.reciprocal.seed_bits,

@@ -197,7 +197,7 @@ impl Effects {
     };
 
     /// Effects that a datapath has; the others are off.
-    pub fn of(&self, datapath: Datapath) -> Self {
+    pub fn restricted_to(&self, datapath: Datapath) -> Self {
         match datapath {
             Datapath::Reflection => self.reflection().into(),
             Datapath::Highlight => self.highlight().into(),

@@ -45,7 +45,7 @@ pub trait Port: Copy {
     /// Converts the port to wires.
     fn wires(&self) -> Self::Wires;
     /// Converts wires to a port.
-    fn of(wires: &Self::Wires) -> Self;
+    fn from_wires(wires: &Self::Wires) -> Self;
 }
 
 macro_rules! fixed_ports {
@@ -57,7 +57,7 @@ macro_rules! fixed_ports {
                 Fx::from_raw(self.to_bits().into())
             }
             #[inline]
-            fn of(wires: &Self::Wires) -> Self {
+            fn from_wires(wires: &Self::Wires) -> Self {
                 Self::from_bits(wires.raw() as _)
             }
         })*
@@ -83,7 +83,7 @@ macro_rules! integer_ports {
                 Fx::from_raw(*self as i32)
             }
             #[inline]
-            fn of(wires: &Self::Wires) -> Self {
+            fn from_wires(wires: &Self::Wires) -> Self {
                 wires.raw() as Self
             }
         })*
@@ -99,7 +99,7 @@ impl Port for U0F32 {
         Fx::from_raw(self.to_bits().into())
     }
     #[inline]
-    fn of(wires: &Self::Wires) -> Self {
+    fn from_wires(wires: &Self::Wires) -> Self {
         Self::from_bits(wires.raw() as u32)
     }
 }
@@ -111,8 +111,8 @@ impl<P: Port, const N: usize> Port for [P; N] {
         self.map(|port| port.wires())
     }
     #[inline]
-    fn of(wires: &Self::Wires) -> Self {
-        wires.map(|wires| P::of(&wires))
+    fn from_wires(wires: &Self::Wires) -> Self {
+        wires.map(|wires| P::from_wires(&wires))
     }
 }
 
@@ -161,8 +161,8 @@ impl<const N: usize> Port for BlockPort<N> {
         PortBlock { mantissa: self.mantissa.wires(), exponent: self.exponent.wires() }
     }
     #[inline]
-    fn of(wires: &Self::Wires) -> Self {
-        Self { mantissa: Port::of(&wires.mantissa), exponent: Port::of(&wires.exponent) }
+    fn from_wires(wires: &Self::Wires) -> Self {
+        Self { mantissa: Port::from_wires(&wires.mantissa), exponent: Port::from_wires(&wires.exponent) }
     }
 }
 
@@ -299,14 +299,14 @@ bundle! {
         #[range(0..=14)]
         #[port = I16F16]
         lod: Control<W, LOD>,
-        /// sweep of a footprint on the sphere, all of one exponent: centre, first and second. Probe i looks along centre + x·first + x²·second,
-        /// x the i-th of N places of the normal law
+        /// sweep of a footprint on the sphere, with one exponent: centre, first and second. Probe i looks along centre + x·first +
+        /// x²·second, where x is place i of N of the normal distribution
         #[unit = "1"]
         #[out = "sweep"]
         #[range(-1..=1)]
         #[port = [[I2F30; 3]; 3]]
         sweep: [[Mantissa<W>; 3]; 3],
-        /// how far probe i has gone from the i-th of N − 1 places, of which the middle counts twice or a new one stands there, to the i-th of N
+        /// progress of probe i from its place among N − 1 to its place among N; the middle of the N − 1 places counts twice, or a new one lies there
         #[unit = "1"]
         #[out = "sweep"]
         #[range(0..=1)]

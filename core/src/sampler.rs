@@ -97,7 +97,7 @@ bundle! {
         mean: [Int<W>; 3],
         /// Number of bilinear samples: one for each probe, and another on the coarser level unless its weight is 0.
         #[range(0..=32)]
-        taps: Int<W>,
+        samples: Int<W>,
     }
 }
 
@@ -160,7 +160,7 @@ pub fn point_means<W: Fetch, M: CubeMemory>(
 ) -> EnvironmentSample<W> {
     // The mean of one sample of one level is the sample.
     let pair = LevelPair { level: Fx::zero(), weight: Fx::zero() };
-    EnvironmentSample { mean: trilinear::<W, M>(&cube_place(point), &pair, cube, p), taps: Fx::int(1) }
+    EnvironmentSample { mean: trilinear::<W, M>(&cube_place(point), &pair, cube, p), samples: Fx::int(1) }
 }
 
 /// Sample of a footprint on its face.
@@ -204,13 +204,13 @@ pub fn swept_means<W: Fetch, M: CubeMemory>(
 /// Sum of the probes of a footprint so far.
 struct Sum<W: Word> {
     channels: [ProbeSum<W>; 3],
-    taps: Int<W>,
+    samples: Int<W>,
 }
 
 impl<W: Fetch> Sum<W> {
     #[inline(always)]
     fn none() -> Self {
-        Self { channels: [ProbeSum::zero(); 3], taps: Fx::zero() }
+        Self { channels: [ProbeSum::zero(); 3], samples: Fx::zero() }
     }
 
     /// Adds a probe, if it counts.
@@ -226,13 +226,13 @@ impl<W: Fetch> Sum<W> {
         let weight = Fx::select(counts, weight, Fx::zero());
         let sample = trilinear::<W, M>(place, pair, cube, p);
         self.channels = texel::probe_sums(&self.channels, &sample, weight);
-        let taps = Fx::select(pair.weight.is_zero(), Fx::int(1), Fx::int(2));
-        self.taps = self.taps + Fx::select(counts, taps, Fx::zero());
+        let samples = Fx::select(pair.weight.is_zero(), Fx::int(1), Fx::int(2));
+        self.samples = self.samples + Fx::select(counts, samples, Fx::zero());
     }
 
     #[inline(always)]
     fn seen(self) -> EnvironmentSample<W> {
-        EnvironmentSample { mean: texel::probe_means(&self.channels), taps: self.taps }
+        EnvironmentSample { mean: texel::probe_means(&self.channels), samples: self.samples }
     }
 }
 

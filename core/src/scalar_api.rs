@@ -129,7 +129,7 @@ pub fn lit_peak(input: &PeakInput<Scalar>, plan: &PeakPlan, p: &Precision) -> Pe
 impl ReflectionIn {
     /// Runs the scalar reflection datapath.
     pub fn reflect(&self, plan: &ReflectionPlan, p: &Precision) -> ReflectionOut {
-        Port::of(&fragment(&self.wires(), plan, p))
+        Port::from_wires(&fragment(&self.wires(), plan, p))
     }
 }
 
@@ -147,13 +147,13 @@ impl TextureIn {
 impl HighlightIn {
     /// Runs the scalar highlight datapath.
     pub fn highlight(&self, plan: &SurfacePlan, p: &Precision) -> HighlightOut {
-        Port::of(&highlight(&self.wires(), plan, p))
+        Port::from_wires(&highlight(&self.wires(), plan, p))
     }
 }
 
 impl PeakIn {
     /// Runs the scalar peak datapath.
     pub fn shine(&self, plan: &PeakPlan, p: &Precision) -> PeakOut {
-        Port::of(&lit_peak(&self.wires(), plan, p))
+        Port::from_wires(&lit_peak(&self.wires(), plan, p))
     }
 }

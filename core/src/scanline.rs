@@ -256,7 +256,7 @@ fn block<const N: usize>(values: [i64; N], e: i32) -> Block<Whole, N> {
 }
 
 fn port<const N: usize>(block: &Block<Whole, N>) -> BlockPort<N> {
-    Port::of(&to_ports::<Whole, _>(&leave(block)))
+    Port::from_wires(&to_ports::<Whole, _>(&leave(block)))
 }
 
 /// A = Σ eᵢqᵢaᵢ of one attribute, linear over a triangle, in a unit that all attributes of the triangle share.
@@ -450,7 +450,7 @@ impl Scanline<'_> {
         let square = inverse.square_length(KEEP);
         let weight = &self.fragments.weight;
         TextureIn {
-            uv: Port::of(&each!(m in uv.m => {
+            uv: Port::from_wires(&each!(m in uv.m => {
                 // 60 fraction bits at the exponent. After the shift there are 32; bits above them are whole repeats.
                 let repeats: Wide<Whole, PRODUCT> = m.mul(inverse.m[0]);
                 let places = (uv.e + inverse.e).raw().integer() + 32 - 60;

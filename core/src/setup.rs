@@ -223,10 +223,24 @@ pub fn uniform_law(mean: f64, sigma: f64) -> [f64; 2] {
     [mean - SQRT_3 * sigma, 2.0 * SQRT_3 * sigma]
 }
 
-/// N, a and n of a stored peak.
-pub fn real_peak(stored: &StoredPeak) -> (DVec3, f64, f64) {
-    let normal = DVec3::from_array(stored.normal.map(|x| f64::from(x.to_bits()) * power_of_two(-15)));
-    (normal, real_code(stored.amplitude, UNITS[0]), real_code(stored.exponent, UNITS[1]))
+/// Numbers of a stored peak.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RealPeak {
+    /// N in the tangent basis.
+    pub normal: DVec3,
+    /// a, at its maximum.
+    pub amplitude: f64,
+    /// n of the power of the cosine.
+    pub exponent: f64,
+}
+
+/// Decodes a stored peak.
+pub fn real_peak(stored: &StoredPeak) -> RealPeak {
+    RealPeak {
+        normal: DVec3::from_array(stored.normal.map(|x| f64::from(x.to_bits()) * power_of_two(-15))),
+        amplitude: real_code(stored.amplitude, UNITS[0]),
+        exponent: real_code(stored.exponent, UNITS[1]),
+    }
 }
 
 /// Least slope of each ramp of a stored horizon, and its inverse width; `None` for a step.

@@ -79,7 +79,7 @@ status_bits! {
 
 impl StatusBit {
     /// Bits that a datapath raises, lowest first.
-    pub fn of(datapath: Datapath) -> impl Iterator<Item = Self> {
+    pub fn raised_by(datapath: Datapath) -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(move |bit| bit.datapaths().contains(&datapath))
     }
 }

@@ -38,9 +38,9 @@ pub struct View<'a, W: Word> {
     pub rough: bool,
 }
 
-/// Four neighbours on one level.
+/// Four neighbouring texels on one level, for a bilinear sample.
 #[derive(Clone, Copy, Debug)]
-pub struct Tap<W: Word> {
+pub struct Neighbours<W: Word> {
     /// Places of the texels in all levels: (0,0), (1,0), (0,1), (1,1).
     pub texels: [Int<W>; 4],
     /// Weights of the right and of the lower texels, [0, 1).
@@ -56,10 +56,10 @@ pub struct Read<W: Word> {
     pub counts: W::Flag,
     /// Weight of the probe, 0 if it does not count; the weights of a footprint sum to 1.
     pub weight: Control<W, SHARE>,
-    /// Tap on the finer level.
-    pub fine: Tap<W>,
-    /// Tap on the coarser level, unless its weight is 0 for all fragments.
-    pub coarse: Option<Tap<W>>,
+    /// Neighbours on the finer level.
+    pub fine: Neighbours<W>,
+    /// Neighbours on the coarser level, unless its weight is 0 for all fragments.
+    pub coarse: Option<Neighbours<W>>,
     /// Weight of the coarser level.
     pub level_weight: Control<W, LEVEL_WEIGHT>,
 }
@@ -83,9 +83,9 @@ pub fn reads<W: Fetch>(view: &View<'_, W>, p: &Precision, take: impl FnMut(Read<
         let (index, counts) = W::loop_index(turn, probes.count);
         let probe = texture_probe(view.centre, probes, index, scale, p);
         let weight = Fx::select(counts, probe.weight, Fx::zero());
-        let fine = tap::<W>(&probe.place, fine, p);
+        let fine = neighbours::<W>(&probe.place, fine, p);
         let coarse = match coarse {
-            Some(level) => Some(tap::<W>(&probe.place, level, p)),
+            Some(level) => Some(neighbours::<W>(&probe.place, level, p)),
             None => None,
         };
         take(Read { turn, counts, weight, fine, coarse, level_weight });
@@ -98,15 +98,15 @@ pub struct Mean<W: Word, const CHANNELS: usize> {
     /// The mean of each channel.
     pub channels: [Int<W>; CHANNELS],
     /// Number of bilinear samples.
-    pub taps: Int<W>,
+    pub samples: Int<W>,
 }
 
-/// Averages channels of texels over the probes. `quad` finds the texels of a tap, given the turn of its probe and 0 for the finer level or 1 for the
+/// Averages channels of texels over the probes. `quad` reads the neighbours, given the turn of their probe and 0 for the finer level or 1 for the
 /// coarser. `filter` interpolates them. `probe` turns the result into the averaged quantities.
 #[inline(always)]
 pub fn mean<W: Fetch, const CHANNELS: usize>(
     view: &View<'_, W>,
-    quad: impl Fn(&Tap<W>, [i32; 2]) -> Quad<W, CHANNELS> + Copy,
+    quad: impl Fn(&Neighbours<W>, [i32; 2]) -> Quad<W, CHANNELS> + Copy,
     filter: impl Fn(&Quad<W, CHANNELS>, Option<&Quad<W, CHANNELS>>, Control<W, LEVEL_WEIGHT>) -> [Int<W>; CHANNELS] + Copy,
     probe: impl Fn([Int<W>; CHANNELS]) -> [Int<W>; CHANNELS] + Copy,
     p: &Precision,
@@ -114,10 +114,10 @@ pub fn mean<W: Fetch, const CHANNELS: usize>(
     if view.footprint.is_none() {
         // The mean of one sample of one level is the sample.
         let sample = filter(&quad(&point::<W>(view, p), [0, 0]), None, Fx::zero());
-        return Mean { channels: probe(sample), taps: Fx::int(1) };
+        return Mean { channels: probe(sample), samples: Fx::int(1) };
     }
     let mut sums = [ProbeSum::<W>::zero(); CHANNELS];
-    let mut taps = Fx::zero();
+    let mut samples = Fx::zero();
     reads(
         view,
         p,
@@ -126,25 +126,25 @@ pub fn mean<W: Fetch, const CHANNELS: usize>(
             let fine = quad(&read.fine, [read.turn, 0]);
             let coarse = read.coarse.as_ref().map(
                 #[inline(always)]
-                |tap| quad(tap, [read.turn, 1]),
+                |neighbours| quad(neighbours, [read.turn, 1]),
             );
             let sample = probe(filter(&fine, coarse.as_ref(), read.level_weight));
             sums = texel::probe_sums(&sums, &sample, read.weight);
             let levels = Fx::select(read.level_weight.is_zero(), Fx::int(1), Fx::int(2));
-            taps = taps + Fx::select(read.counts, levels, Fx::zero());
+            samples = samples + Fx::select(read.counts, levels, Fx::zero());
         },
     );
-    Mean { channels: texel::probe_means(&sums), taps }
+    Mean { channels: texel::probe_means(&sums), samples }
 }
 
 /// Columns, rows, stride and start of a level.
 type Place<W> = [Int<W>; 4];
 
-/// Tap without a footprint: the centre, on the finest level.
+/// Neighbours without a footprint: the centre, on the finest level.
 #[inline(always)]
-fn point<W: Fetch>(view: &View<'_, W>, p: &Precision) -> Tap<W> {
+fn point<W: Fetch>(view: &View<'_, W>, p: &Precision) -> Neighbours<W> {
     let Level { size: [width, height], stride, start } = view.levels[0];
-    tap::<W>(view.centre, each!(number in [width, height, stride, start] => int::<W>(number)), p)
+    neighbours::<W>(view.centre, each!(number in [width, height, stride, start] => int::<W>(number)), p)
 }
 
 /// Level of every fragment; beyond the last level it is the last.
@@ -162,11 +162,15 @@ fn level_of<W: Fetch>(level: Int<W>, levels: &[Level]) -> Place<W> {
     each!(number in read => Fx::from_raw(number))
 }
 
-/// Tap of a bilinear sample on a level.
+/// Neighbours for a bilinear sample on a level.
 #[inline(always)]
-fn tap<W: Fetch>(place: &TexturePosition<W>, [width, height, stride, start]: Place<W>, p: &Precision) -> Tap<W> {
+fn neighbours<W: Fetch>(
+    place: &TexturePosition<W>,
+    [width, height, stride, start]: Place<W>,
+    p: &Precision,
+) -> Neighbours<W> {
     let address = texel::repeat_address(place, [width, height], p);
     let [x0, x1] = address.columns;
     let [y0, y1] = each!(row in address.rows => start + Fx::from_raw(W::Count::narrow(row.raw().mul(stride.raw()))));
-    Tap { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight: address.weight }
+    Neighbours { texels: [y0 + x0, y0 + x1, y1 + x0, y1 + x1], weight: address.weight }
 }

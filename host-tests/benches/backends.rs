@@ -30,7 +30,7 @@ use roughxel_core::scalar_api::{environment_scale, reflection};
 use roughxel_f32_baseline::batch::{FootprintBlock, FragmentBlock, reflect_batch};
 use roughxel_f32_baseline::formulas::Careful;
 use roughxel_f32_baseline::math::Std;
-use roughxel_f32_baseline::{Environment, Footprint, Fragment};
+use roughxel_f32_baseline::{Environment, FloatFootprint, Fragment};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_host_tests::designs::scalar;
@@ -108,7 +108,7 @@ const BARS: [Bar; 8] = [
         of: "lanes",
         over: "f32 batched",
         least: 0.4,
-        reason: "0.4 × the batched f32 is some 19 × the scalar reading, more than lanes of 64-bit intermediates can be \
+        reason: "0.4 × the batched f32 is some 19 × the scalar backend, more than lanes of 64-bit intermediates can be \
                  faster: 16 of them are two vectors of 512 bits for each operation, and normalisation comes on top",
     },
     Bar {
@@ -116,7 +116,7 @@ const BARS: [Bar; 8] = [
         over: "verilated",
         least: 20.0,
         reason: "Verilator turns the generated modules into straight C++ on words, half a million fragments a second: a \
-                 third of the scalar reading, so this bar asks lanes for 6 × scalar",
+                 third of the scalar backend, so this bar asks lanes for 6 × scalar",
     },
 ];
 
@@ -275,7 +275,7 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
     let environment = Environment::new(u32::from(set.edge_texels));
     let fragments: Vec<_> = ports.iter().map(Fragment::from).collect();
     let blocks = FragmentBlock::blocks(&fragments);
-    let mut footprints = vec![Footprint::default(); fragments.len()];
+    let mut footprints = vec![FloatFootprint::default(); fragments.len()];
     let plain = move || {
         for (fragment, footprint) in fragments.iter().zip(&mut footprints) {
             *footprint = environment.reflect::<Std, Careful>(fragment);

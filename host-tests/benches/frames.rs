@@ -70,7 +70,7 @@ fn main() {
             let [(times, one), (_, two)] = [1, 2].map(|threads| fastest_frame(&prepared, threads));
             let pixels = f64::from(scene.camera.width) * f64::from(scene.camera.height);
             let a_pixel = |time: Duration| format!("{:.0}", time.as_secs_f64() * 1e9 / pixels);
-            let phases = Phase::ALL.map(|phase| a_pixel(times.of(phase)));
+            let phases = Phase::ALL.map(|phase| a_pixel(times.time(phase)));
             let two_threads = format!("{:.2}", one.as_secs_f64() / two.as_secs_f64());
             let row = [scene.name.clone(), name.into(), a_pixel(times.sum())].into_iter().chain(phases);
             table.add_row(row.chain([two_threads]));

@@ -11,7 +11,9 @@ use roughxel_benches::fastest;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Precision;
 use roughxel_host_tests::table::table;
-use roughxel_vectors::{Form, InputSource, Ports, RANDOM_SETS, RandomSet, SetInfo, Words, export_with};
+use roughxel_vectors::{
+    Form, InputSource, Ports, RANDOM_SETS, RandomSet, RandomSetSummary, SetInfo, Words, export_with,
+};
 use sha2::{Digest, Sha256};
 
 /// Vectors of an export.
@@ -27,7 +29,7 @@ fn main() {
     let precision = Precision::STANDARD;
     let mut table = table(["set", "words", "bytes a vector", "million a second", "hash"], 2..5);
     let rate = |time: Duration| format!("{:.2}", COUNT as f64 / time.as_secs_f64() / 1e6);
-    for (name, datapath, description) in RANDOM_SETS {
+    for RandomSetSummary { name, datapath, description } in RANDOM_SETS {
         let input = RandomSet { datapath, seed: name, precision: &precision };
         let mut ports = Ports::new(datapath);
         let (_, inputs) = fastest(EXPORTS, || {

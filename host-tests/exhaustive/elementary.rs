@@ -349,25 +349,25 @@ fn every_power_of_a_cosine_of_8_bits_is_within_its_roundings() {
     }
 }
 
-fn sum<W: Visible>(x: (i64, i64), keep: u32) -> (i64, i64) {
-    pair(one_plus(number_of::<W>(x), keep))
+fn sum<W: Visible>(x: (i64, i64), fraction_bits: u32) -> (i64, i64) {
+    pair(one_plus(number_of::<W>(x), fraction_bits))
 }
 
-fn aligned<W: Visible>(a: (i64, i64), b: (i64, i64), keep: u32) -> ([i64; 2], i64) {
-    let ([[a], [b]], e) = align([number_of::<W>(a), number_of::<W>(b)], keep);
+fn aligned<W: Visible>(a: (i64, i64), b: (i64, i64), fraction_bits: u32) -> ([i64; 2], i64) {
+    let ([[a], [b]], e) = align([number_of::<W>(a), number_of::<W>(b)], fraction_bits);
     ([integer(a), integer(b)], W::count_integer(e.raw()))
 }
 
-/// ⌊m/2^(k − 6 + keep) + ½⌋·2^(6 − keep) of an integer mantissa.
-fn rounded(m: i64, k: i64, keep: u32) -> i64 {
-    let drop = k.clamp(0, 30) + i64::from(FRACTION - keep);
-    ((((m << 1) >> drop) + 1) >> 1) << (FRACTION - keep)
+/// ⌊m/2^(k − 6 + fraction_bits) + ½⌋·2^(6 − fraction_bits) of an integer mantissa.
+fn rounded(m: i64, k: i64, fraction_bits: u32) -> i64 {
+    let drop = k.clamp(0, 30) + i64::from(FRACTION - fraction_bits);
+    ((((m << 1) >> drop) + 1) >> 1) << (FRACTION - fraction_bits)
 }
 
 #[test]
 fn sums_and_alignments_of_every_two_numbers_of_8_bits_are_rounded_once() {
     for p in tiny_precisions().filter(|p| p.reciprocal.steps == 0) {
-        let keep = p.fraction_bits;
+        let fraction_bits = p.fraction_bits;
         let bounds = Bounds::new(p, FRACTION);
         let numbers = mantissas(&p).filter(|m| m.abs() >= ONE / 2);
         let tried = try_all(-20..=20, |tried: &mut Tried<1>, e| {
@@ -375,43 +375,43 @@ fn sums_and_alignments_of_every_two_numbers_of_8_bits_are_rounded_once() {
                 if a > 0 {
                     tried.inputs += 1;
                     let want = 1.0 + value((a, e), FRACTION);
-                    let got = value(in_both!(Checked8, i8, sum((a, e), keep)), FRACTION);
+                    let got = value(in_both!(Checked8, i8, sum((a, e), fraction_bits)), FRACTION);
                     // A place of the product is floored at the larger exponent.
                     let bar = 2.0 * bounds.half_place() + 4.0 * bounds.product_place();
                     tried.hold(0, (got / want - 1.0).abs(), bar, (a, e));
                 }
                 for b in numbers.clone() {
                     tried.inputs += 1;
-                    let got = in_both!(Checked8, i8, aligned((a, e), (b, 0), keep));
+                    let got = in_both!(Checked8, i8, aligned((a, e), (b, 0), fraction_bits));
                     let places = [-e, e].map(|k| k.clamp(0, 7));
-                    let want = [rounded(a, places[0], keep), rounded(b, places[1], keep)];
+                    let want = [rounded(a, places[0], fraction_bits), rounded(b, places[1], fraction_bits)];
                     assert_eq!(got, (want, e.max(0)), "{a}·2^{e}, {b}");
                 }
                 let nothing = (0, ZERO_EXPONENT);
-                assert_eq!(in_both!(Checked8, i8, aligned((a, e), nothing, keep)), ([a, 0], e));
+                assert_eq!(in_both!(Checked8, i8, aligned((a, e), nothing, fraction_bits)), ([a, 0], e));
             }
         });
-        let half = (1 << keep) / 2 + 1;
-        tried.report(&format!("sums and alignments, p {keep}"), ["1 + x"], 41 * (half + 4 * half * half));
+        let half = (1 << fraction_bits) / 2 + 1;
+        tried.report(&format!("sums and alignments, p {fraction_bits}"), ["1 + x"], 41 * (half + 4 * half * half));
     }
 }
 
-fn block_of<W: Visible, const N: usize>(wide: [i64; N], keep: u32) -> ([i64; N], i64) {
+fn block_of<W: Visible, const N: usize>(wide: [i64; N], fraction_bits: u32) -> ([i64; N], i64) {
     let wide: [Wide<W, PRODUCT>; N] = wide.map(|x| Fx::from_raw(Wire::lit(x)));
-    let block = normalise(wide, Fx::int(0), keep);
+    let block = normalise(wide, Fx::int(0), fraction_bits);
     (block.m.map(integer), W::count_integer(block.e.raw()))
 }
 
-fn hold_block<const N: usize>(tried: &mut Tried<1>, wide: [i64; N], keep: u32) {
+fn hold_block<const N: usize>(tried: &mut Tried<1>, wide: [i64; N], fraction_bits: u32) {
     tried.inputs += 1;
-    let (m, e) = in_both!(Checked8, i8, block_of of N (wide, keep));
+    let (m, e) = in_both!(Checked8, i8, block_of of N (wide, fraction_bits));
     let largest = m.iter().fold(0, |largest, m| largest.max(m.abs()));
     if wide == [0; N] {
         assert_eq!((m, e), ([0; N], ZERO_EXPONENT));
         return;
     }
     assert!((ONE / 2..=ONE).contains(&largest), "{wide:?}: {m:?}");
-    let half = (-f64::from(keep) - 1.0).exp2();
+    let half = (-f64::from(fraction_bits) - 1.0).exp2();
     for (m, wide) in m.into_iter().zip(wide) {
         tried.hold(0, (real(m) - value((wide, -e), 12)).abs(), half, wide);
     }
@@ -421,8 +421,8 @@ fn hold_block<const N: usize>(tried: &mut Tried<1>, wide: [i64; N], keep: u32) {
 fn every_wide_wire_of_16_bits_becomes_a_block() {
     let words = i64::from(i8::MIN)..=i64::from(i8::MAX);
     let tried = try_all(i64::from(i16::MIN)..=i64::from(i16::MAX), |tried, wide| {
-        for keep in 4..=6 {
-            hold_block(tried, [wide], keep);
+        for fraction_bits in 4..=6 {
+            hold_block(tried, [wide], fraction_bits);
         }
         for word in words.clone() {
             hold_block(tried, [word, wide], 6);

@@ -75,7 +75,7 @@ pub struct OperationCounts([u64; OPERATIONS.len()]);
 impl OperationCounts {
     /// Every operation that costs hardware: constants and plain widening are wires.
     pub fn hardware(&self) -> u64 {
-        self.total() - self.of("lit") - self.of("widen")
+        self.total() - self.count("lit") - self.count("widen")
     }
 
     /// Every operation.
@@ -84,7 +84,7 @@ impl OperationCounts {
     }
 
     /// One operation by its name in [`OPERATIONS`]; 0 for an unknown name.
-    pub fn of(&self, name: &str) -> u64 {
+    pub fn count(&self, name: &str) -> u64 {
         OPERATIONS.iter().zip(self.0).find(|(operation, _)| **operation == name).map_or(0, |(_, count)| count)
     }
 }
@@ -320,7 +320,7 @@ macro_rules! word {
                 let outcome = body();
                 TRACE.with_borrow_mut(|trace| {
                     if let Some(trace) = trace {
-                        trace.push((name, Integers::of(&outcome)));
+                        trace.push((name, Integers::from_bundle(&outcome)));
                     }
                 });
                 outcome

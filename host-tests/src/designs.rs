@@ -50,14 +50,14 @@ fn outcome<W: Visible>(design: Design, ports: &[i64], effects: &Effects, p: &Pre
         ports: &'a [i64],
         effects: &'a Effects,
         p: &'a Precision,
-        reading: core::marker::PhantomData<W>,
+        backend: core::marker::PhantomData<W>,
     }
     impl<W: Visible> Visitor for Run<'_, W> {
         type Outcome = Integers;
         fn visit<D: Recorded>(self) -> Integers {
             let input = filled::<W, D::Input>(&D::Input::limit::<i32>(End::Low), self.ports);
-            Integers::of(&D::run::<W>(&input, self.effects, self.p))
+            Integers::from_bundle(&D::run::<W>(&input, self.effects, self.p))
         }
     }
-    design.visit(Run::<W> { ports, effects, p, reading: core::marker::PhantomData })
+    design.visit(Run::<W> { ports, effects, p, backend: core::marker::PhantomData })
 }

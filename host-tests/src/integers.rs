@@ -82,7 +82,7 @@ pub type Named<'a> = (&'a [Step], i64);
 
 impl Integers {
     /// The wires of a bundle.
-    pub fn of<W: Visible, B: Bundle<W>>(bundle: &B) -> Self {
+    pub fn from_bundle<W: Visible, B: Bundle<W>>(bundle: &B) -> Self {
         let mut list = List { path: Vec::new(), found: Self::default() };
         bundle.rewire::<W, _>(&mut list);
         list.found

@@ -59,7 +59,11 @@ fn group<W: BatchWord, D: Recorded>(ports: &[Vec<i64>], p: &Precision) -> Vec<In
             let run: In<D::Output, W> = D::run::<W>(&input, &Effects::ALL, p);
             let lane = |lane| {
                 let output: D::Output = run.rewire::<i32, _>(&mut Lane(lane));
-                if p.word_bits() == 16 { Integers::of(&narrowed(&output)) } else { Integers::of(&output) }
+                if p.word_bits() == 16 {
+                    Integers::from_bundle(&narrowed(&output))
+                } else {
+                    Integers::from_bundle(&output)
+                }
             };
             (0..ports.len()).map(lane).collect()
         },
@@ -101,7 +105,7 @@ impl<W: BatchWord> Rewire<i32, W> for Load<'_, W> {
 struct Lane(usize);
 
 impl Lane {
-    fn of<W: BatchWord>(&self, row: W::Row) -> i32 {
+    fn read<W: BatchWord>(&self, row: W::Row) -> i32 {
         let mut words = [0; NARROW_LANES];
         W::store(row, W::vectors_mut(&mut words), 0);
         words[self.0]
@@ -110,15 +114,15 @@ impl Lane {
 
 impl<W: BatchWord> Rewire<W, i32> for Lane {
     fn word(&mut self, wire: W, _: u32) -> i32 {
-        self.of::<W>(wire.mantissas())
+        self.read::<W>(wire.mantissas())
     }
     fn control(&mut self, wire: W::Count, _: u32) -> i32 {
-        self.of::<W>(W::counts(wire))
+        self.read::<W>(W::counts(wire))
     }
     fn wide(&mut self, _: <W::Count as Word>::Wide, _: u32) -> i64 {
         unreachable!("no design that is asked for has a wide port")
     }
     fn flag(&mut self, wire: W::Flag) -> bool {
-        self.of::<W>(W::counts(Wire::select(wire, Wire::lit(1), Wire::lit(0)))) != 0
+        self.read::<W>(W::counts(Wire::select(wire, Wire::lit(1), Wire::lit(0)))) != 0
     }
 }

@@ -20,18 +20,18 @@ const FOOTPRINTS: [FootprintKind; 3] = [FootprintKind::None, FootprintKind::Face
 const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product];
 const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
 
-/// Returns true if tests run over their whole domain: set by `cargo sweep`. Otherwise they run over a part that is quick.
+/// Returns true if tests run over their whole domain: set by `cargo full`. Otherwise they run over a part that is quick.
 ///
 /// With `ROUGHXEL_ASKED`, the name of the test that asks is appended once to that file: a test that is not in it has nothing more to try.
 ///
 /// # Panics
 ///
 /// If `ROUGHXEL_ASKED` is set and the caller is not on a test's own thread, or if the file cannot be written.
-pub fn sweep() -> bool {
+pub fn is_full_run() -> bool {
     if let Some(file) = std::env::var_os("ROUGHXEL_ASKED") {
         keep_name(Path::new(&file));
     }
-    std::env::var_os("ROUGHXEL_SWEEP").is_some()
+    std::env::var_os("ROUGHXEL_FULL").is_some()
 }
 
 fn keep_name(file: &Path) {
@@ -48,14 +48,14 @@ fn keep_name(file: &Path) {
     kept.and_then(|mut kept| kept.write_all(format!("{test}\n").as_bytes())).expect("names of tests are kept");
 }
 
-/// Returns the amount that a test tries: `all` in a sweep, otherwise `part`.
+/// Returns the amount that a test tries: `all` in a full run, otherwise `part`.
 pub fn whole_or<T>(all: T, part: T) -> T {
-    if sweep() { all } else { part }
+    if is_full_run() { all } else { part }
 }
 
-/// Returns true if the list element is tested with a profile: every element in a sweep, otherwise one per profile, in turn.
+/// Returns true if the list element is tested with a profile: every element in a full run, otherwise one per profile, in turn.
 pub fn in_turn(index: usize, profile: &str) -> bool {
-    sweep() || Profile::NAMES[index % Profile::NAMES.len()] == profile
+    is_full_run() || Profile::NAMES[index % Profile::NAMES.len()] == profile
 }
 
 /// Every named profile.

@@ -253,7 +253,7 @@ const FRAME_ARITHMETIC: [(&str, &str, &str); 15] = [
     ("core/src/sampler.rs", "level_edge", "memory: the edge of a level"),
     ("core/src/sampler.rs", "edge_of", "memory: the same of every fragment"),
     ("core/src/sampler.rs", "patches", "memory: the channels of four texels"),
-    ("core/src/wrapped.rs", "tap", "memory: the place of a row in a level"),
+    ("core/src/wrapped.rs", "neighbours", "memory: the place of a row in a level"),
     ("emulator/frame/src/environment.rs", "bytes", "bytes of what is stored"),
     ("emulator/frame/src/lighting.rs", "bytes", "bytes of what is stored"),
     ("emulator/frame/src/lighting.rs", "shown", "set-up from floats: the colour of a light"),

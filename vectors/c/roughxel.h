@@ -215,7 +215,7 @@ typedef struct roughxel_reflection_out {
   int32_t step_t; /* I4F28, -7 to 7 */
   /* level of detail, 0 to log₂ of the edge [levels] (stage probes); not with footprint-sphere */
   int32_t lod; /* U4Fl, 0 to 14 */
-  /* sweep of a footprint on the sphere, all of one exponent: centre, first and second. Probe i looks along centre + x·first + x²·second, x the i-th of N places of the normal law (stage sweep); only with footprint-sphere */
+  /* sweep of a footprint on the sphere, with one exponent: centre, first and second. Probe i looks along centre + x·first + x²·second, where x is place i of N of the normal distribution (stage sweep); only with footprint-sphere */
   int32_t sweep_0_0; /* I2Fp, -1 to 1 */
   int32_t sweep_0_1; /* I2Fp, -1 to 1 */
   int32_t sweep_0_2; /* I2Fp, -1 to 1 */
@@ -225,7 +225,7 @@ typedef struct roughxel_reflection_out {
   int32_t sweep_2_0; /* I2Fp, -1 to 1 */
   int32_t sweep_2_1; /* I2Fp, -1 to 1 */
   int32_t sweep_2_2; /* I2Fp, -1 to 1 */
-  /* how far probe i has gone from the i-th of N − 1 places, of which the middle counts twice or a new one stands there, to the i-th of N (stage sweep); only with footprint-sphere */
+  /* progress of probe i from its place among N − 1 to its place among N; the middle of the N − 1 places counts twice, or a new one lies there (stage sweep); only with footprint-sphere */
   int32_t share; /* U1F16, 0 to 1 */
   /* level of detail in the middle of a face for a direction of length 1 in units of the sweep; not saturated [levels] (stage sweep); only with footprint-sphere */
   int32_t level; /* I16F16, -20000 to 20000 */
@@ -481,15 +481,15 @@ typedef struct roughxel_peak_in {
   int32_t light_y; /* I2Fp, -2 to below 2 */
   int32_t light_z; /* I2Fp, -2 to below 2 */
   int32_t light_e; /* I16, -32768 to 32767 */
-  /* stored peak: N in the frame of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad. Of another length: 1 − |N − H|²/2 stands for the cosine */
+  /* stored peak: N in the tangent basis of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad. At any other length, 1 − |N − H|²/2 replaces the cosine */
   int32_t peak_normal_x; /* I1F15, -1 to below 1 */
   int32_t peak_normal_y; /* I1F15, -1 to below 1 */
   int32_t peak_normal_z; /* I1F15, -1 to below 1 */
-  /* stored peak: amplitude a, a code: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below. A larger one was saturated: facets of amplitude 15 beyond 76°, for they count 1/n_z times [2^−21] */
+  /* stored peak: amplitude a, a code: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below. Larger ones are saturated: facets of amplitude 15 beyond 76°, which count 1/n_z times [2^−21] */
   int32_t peak_amplitude; /* U16, 0 to 65535 */
-  /* stored peak: exponent n, a code: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most. The other codes, 0 to 16 382, count as they read [2^−13] */
+  /* stored peak: exponent n, a code: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most. Other codes, 0 to 16 382, are read as they stand [2^−13] */
   int32_t peak_exponent; /* U16, 0 to 65535 */
-  /* stored horizon of −x, +x, −y, +y: slope at which the ramp begins, or of the step; within 2^−13, cut to ±8 */
+  /* stored horizon of −x, +x, −y, +y: slope at which the ramp begins, or of the step; within 2^−13, clamped to ±8 */
   int32_t horizon_low_0; /* I4F12, -8 to below 8 */
   int32_t horizon_low_1; /* I4F12, -8 to below 8 */
   int32_t horizon_low_2; /* I4F12, -8 to below 8 */
@@ -499,7 +499,7 @@ typedef struct roughxel_peak_in {
   int32_t horizon_inverse_width_1; /* U16, 0 to 65535 */
   int32_t horizon_inverse_width_2; /* U16, 0 to 65535 */
   int32_t horizon_inverse_width_3; /* U16, 0 to 65535 */
-  /* share of the fragment that the peak has, saturated to 0 to 1 */
+  /* share of the fragment that belongs to the peak, saturated to [0, 1] */
   int32_t weight; /* I16F16, -32768 to below 32768 */
 } roughxel_peak_in;
 /* X(member) for each, in order. */
@@ -560,28 +560,28 @@ typedef struct roughxel_peak_out {
   int32_t half_y; /* I2Fp, -2 to below 2 */
   int32_t half_z; /* I2Fp, -2 to below 2 */
   int32_t half_e; /* I16, -32768 to 32767 */
-  /* h along E₁, E₂ and n, at unit length; zero where h or the frame is (tap, stage local) */
+  /* components of h along E₁, E₂ and n, at unit length; zero if h or the tangent basis is zero (tap, stage local) */
   int32_t local_half_x; /* I2Fp, -1 to 1 */
   int32_t local_half_y; /* I2Fp, -1 to 1 */
   int32_t local_half_z; /* I2Fp, -1 to 1 */
-  /* l along E₁, E₂ and n, at any length [length] (tap, stage local) */
+  /* components of l along E₁, E₂ and n, at any length [length] (tap, stage local) */
   int32_t local_light_x; /* I2Fp, -2 to below 2 */
   int32_t local_light_y; /* I2Fp, -2 to below 2 */
   int32_t local_light_z; /* I2Fp, -2 to below 2 */
   int32_t local_light_e; /* I16, -32768 to 32767 */
-  /* v along E₁, E₂ and n, at any length [length] (tap, stage local) */
+  /* components of v along E₁, E₂ and n, at any length [length] (tap, stage local) */
   int32_t local_eye_x; /* I2Fp, -2 to below 2 */
   int32_t local_eye_y; /* I2Fp, -2 to below 2 */
   int32_t local_eye_z; /* I2Fp, -2 to below 2 */
   int32_t local_eye_e; /* I16, -32768 to 32767 */
-  /* slopes z/|x| and z/|y| of l, then of v, cut to ±8 (tap, stage horizon) */
+  /* slopes z/|x| and z/|y| of l, then of v, clamped to ±8 (tap, stage horizon) */
   int32_t slopes_0_0; /* I5F(p-4), -8 to 8 */
   int32_t slopes_0_1; /* I5F(p-4), -8 to 8 */
   int32_t slopes_1_0; /* I5F(p-4), -8 to 8 */
   int32_t slopes_1_1; /* I5F(p-4), -8 to 8 */
   /* share of the peak's facets that light and eye clear, 0 to 1 (tap, stage horizon) */
   int32_t visibility; /* U1F16, 0 to 1 */
-  /* light that the peak returns, 0 to below 64; 0 where the light is on the horizon of n or below it, and where any of n, v, l, h or the frame is zero (stage peaks) */
+  /* light that the peak returns, 0 to below 64; 0 if the light is on the horizon of n or below it, or if n, v, l, h or the tangent basis is zero (stage peaks) */
   int32_t peak; /* U6F24, 0 to below 64 */
   /* sticky bits: 1 normal_zero, 2 view_zero, 4 frame_pole, 256 light_zero, 512 half_zero, 1024 light_below_surface, 4096 local_zero, 8192 peaks_saturated [bits] (stage status) */
   int32_t status; /* U14, 0 to 16383 */

@@ -53,19 +53,30 @@ pub const ERRORS: [(&str, &CStr); 6] = [
 /// Bits of an error below the place of the wrong number.
 pub const ERROR_BITS: u32 = 8;
 
-/// Effects: name, bit and description of each. At most one of the two kinds of an effect may be on. With neither bit of the tangent basis, it has the
+/// Effect of the C interface.
+#[derive(Clone, Copy, Debug)]
+pub struct EffectBit {
+    /// Name, without the prefix of the header.
+    pub name: &'static str,
+    /// Its bit of a word of effects.
+    pub bit: u32,
+    /// Description, with the datapaths that have the effect.
+    pub description: &'static str,
+}
+
+/// Effects in the order of their bits. At most one of the two kinds of an effect may be on. With neither bit of the tangent basis, it has the
 /// main direction.
-pub const EFFECTS: [(&str, u32, &str); 10] = [
-    ("BUMP", 1, "bump: reflection and highlight"),
-    ("ROUGHNESS", 1 << 1, "anisotropic roughness: reflection and highlight"),
-    ("ROUGHNESS_ISO", 1 << 2, "isotropic roughness, which reads roughness_1 alone"),
-    ("CURVATURE", 1 << 3, "curvature: reflection"),
-    ("FOOTPRINT", 1 << 4, "footprint on a face: reflection"),
-    ("FOOTPRINT_SPHERE", 1 << 5, "footprint on the sphere, for wide lobes"),
-    ("HORIZON", 1 << 6, "correlated horizons: peak"),
-    ("HORIZON_PRODUCT", 1 << 7, "horizons as a product of shares"),
-    ("FRAME_NATURAL", 1 << 8, "frame of p_u and p_v instead of the main direction"),
-    ("FRAME_NATURAL_NORMALISED", 1 << 9, "the same, lengths dropped"),
+pub const EFFECTS: [EffectBit; 10] = [
+    EffectBit { name: "BUMP", bit: 1, description: "bump: reflection and highlight" },
+    EffectBit { name: "ROUGHNESS", bit: 1 << 1, description: "anisotropic roughness: reflection and highlight" },
+    EffectBit { name: "ROUGHNESS_ISO", bit: 1 << 2, description: "isotropic roughness, which reads roughness_1 alone" },
+    EffectBit { name: "CURVATURE", bit: 1 << 3, description: "curvature: reflection" },
+    EffectBit { name: "FOOTPRINT", bit: 1 << 4, description: "footprint on a face: reflection" },
+    EffectBit { name: "FOOTPRINT_SPHERE", bit: 1 << 5, description: "footprint on the sphere, for wide lobes" },
+    EffectBit { name: "HORIZON", bit: 1 << 6, description: "correlated horizons: peak" },
+    EffectBit { name: "HORIZON_PRODUCT", bit: 1 << 7, description: "horizons as a product of shares" },
+    EffectBit { name: "FRAME_NATURAL", bit: 1 << 8, description: "frame of p_u and p_v instead of the main direction" },
+    EffectBit { name: "FRAME_NATURAL_NORMALISED", bit: 1 << 9, description: "the same, lengths dropped" },
 ];
 
 /// Knobs of a profile, in the order of [`Knob::ALL`].
@@ -73,7 +84,7 @@ pub type Knobs = [i32; Knob::ALL.len()];
 
 /// Knobs of a precision as C has them.
 pub fn knobs_of(p: &Precision) -> Knobs {
-    Knob::ALL.map(|knob| knob.of(p) as i32)
+    Knob::ALL.map(|knob| knob.value_in(p) as i32)
 }
 
 /// Precision with these knobs.
@@ -84,7 +95,7 @@ pub fn precision_of(knobs: &Knobs) -> Result<Precision, i32> {
     for (place, (knob, &value)) in Knob::ALL.into_iter().zip(knobs).enumerate() {
         p = knob.with(value as u32, p);
         // A value beyond the last choice would read as that choice.
-        if knob.of(&p) != value as u32 {
+        if knob.value_in(&p) != value as u32 {
             return Err(at(ERROR_KNOB, place));
         }
     }

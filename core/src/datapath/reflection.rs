@@ -81,8 +81,8 @@ pub fn reflection_of<W: Staged>(
     let (reflected, point) = mirrored(surface, p);
     let mirror = Mirror { normal: normal_mod, view, reflected: &reflected, point: &point };
     let derivatives = [dview, dnormal];
-    let Footprint { columns, ellipse, axes, probes, sweep } = match plan.footprint {
-        FootprintKind::None => Footprint::none(),
+    let FootprintStages { columns, ellipse, axes, probes, sweep } = match plan.footprint {
+        FootprintKind::None => FootprintStages::none(),
         FootprintKind::Face => on_face(surface, &mirror, derivatives, map, plan, p),
         FootprintKind::Sphere => on_sphere(surface, &mirror, derivatives, map, plan, p),
     };
@@ -103,7 +103,7 @@ pub fn reflection_of<W: Staged>(
 }
 
 /// Results from columns to probes, for either kind of footprint; fields of the other kind have their neutral value.
-struct Footprint<W: Staged> {
+struct FootprintStages<W: Staged> {
     columns: [Block<W, 2>; 4],
     ellipse: Ellipse<W>,
     axes: Axes<W>,
@@ -111,7 +111,7 @@ struct Footprint<W: Staged> {
     sweep: Sweep<W>,
 }
 
-impl<W: Staged> Footprint<W> {
+impl<W: Staged> FootprintStages<W> {
     /// Footprint of a point.
     #[inline(always)]
     fn none() -> Self {
@@ -166,7 +166,7 @@ fn on_face<W: Staged>(
     map: &MapScale<W>,
     plan: &ReflectionPlan,
     p: &Precision,
-) -> Footprint<W> {
+) -> FootprintStages<W> {
     let pixel = each!(i in [0, 1] => {
         let [dv, dn] = pixel_side(derivatives, i, plan, p);
         stage!("columns.pixel", columns::column(mirror, &dv, &dn, p))
@@ -186,7 +186,7 @@ fn on_face<W: Staged>(
     };
     let (axes, probes) = assemble(&ellipse, map, p);
     let columns = [pixel[0], pixel[1], rough[0], rough[1]];
-    Footprint { columns, ellipse, axes, probes, ..Footprint::none() }
+    FootprintStages { columns, ellipse, axes, probes, ..FootprintStages::none() }
 }
 
 /// Footprint on the tangent plane of the sphere, with normals as probes.
@@ -198,7 +198,7 @@ fn on_sphere<W: Staged>(
     map: &MapScale<W>,
     plan: &ReflectionPlan,
     p: &Precision,
-) -> Footprint<W> {
+) -> FootprintStages<W> {
     let [x, y] = each!(i in [0, 1] => pixel_side(derivatives, i, plan, p));
     match plan.roughness {
         RoughnessKind::None => lobe(mirror, [x, y], map, p),
@@ -217,7 +217,7 @@ fn lobe<W: Staged, const COLUMNS: usize>(
     pairs: [[Block<W, 3>; 2]; COLUMNS],
     map: &MapScale<W>,
     p: &Precision,
-) -> Footprint<W> {
+) -> FootprintStages<W> {
     let plane = tangent_plane(mirror, p);
     let moves = each!([dv, dn] in pairs => derivative(mirror, &dv, &dn, p));
     let q = each!(dr in moves => column_on_sphere(mirror, &plane, &dr, p));
@@ -236,9 +236,9 @@ fn lobe<W: Staged, const COLUMNS: usize>(
     for (column, q) in columns.iter_mut().zip(q) {
         *column = q;
     }
-    let none = Footprint::none();
+    let none = FootprintStages::none();
     let CountAndLevel { count, empty, capped, .. } = probes;
-    Footprint { columns, ellipse, axes, probes: Probes { count, empty, capped, ..none.probes }, sweep }
+    FootprintStages { columns, ellipse, axes, probes: Probes { count, empty, capped, ..none.probes }, sweep }
 }
 
 #[inline(always)]

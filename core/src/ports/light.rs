@@ -16,21 +16,21 @@ bundle! {
     /// is monotone, and a number of at least 4096 units is within 2^−13 of the stored one.
     #[ports(StoredPeak: Default)]
     pub struct Peak<W> {
-        /// stored peak: N in the frame of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad.
-        /// Of another length: 1 − |N − H|²/2 stands for the cosine
+        /// stored peak: N in the tangent basis of the surface (E₁, E₂, n), of unit length within 2^−15 and in direction within 2^−15.2 rad.
+        /// At any other length, 1 − |N − H|²/2 replaces the cosine
         #[unit = "1"]
         #[components = "xyz"]
         #[range(-1..1)]
         #[port = [I1F15; 3]]
         normal: [Control<W, STORED_NORMAL>; 3],
-        /// stored peak: amplitude a, a code: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below. A larger one was
-        /// saturated: facets of amplitude 15 beyond 76°, for they count 1/n_z times
+        /// stored peak: amplitude a, a code: 0 or from 2^−21 to below 64; within 2^−13 from 2^−9 on, 2^−22 below. Larger ones are
+        /// saturated: facets of amplitude 15 beyond 76°, which count 1/n_z times
         #[unit = "2^−21"]
         #[range(0..=65535)]
         #[port = u16]
         amplitude: Int<W>,
-        /// stored peak: exponent n, a code: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most. The other codes,
-        /// 0 to 16 382, count as they read
+        /// stored peak: exponent n, a code: from 1 to 8192 within 2^−13, which changes a power by 2^−14.4 at most. Other codes, 0 to
+        /// 16 382, are read as they stand
         #[unit = "2^−13"]
         #[range(0..=65535)]
         #[port = u16]
@@ -43,7 +43,7 @@ bundle! {
     /// plan takes the product, else as 1 − (1 − t)². `setup::stored_horizon` makes a horizon for either.
     #[ports(StoredHorizon)]
     pub struct Horizon<W> {
-        /// stored horizon of −x, +x, −y, +y: slope at which the ramp begins, or of the step; within 2^−13, cut to ±8
+        /// stored horizon of −x, +x, −y, +y: slope at which the ramp begins, or of the step; within 2^−13, clamped to ±8
         #[unit = "1"]
         #[range(-8..8)]
         #[port = [I4F12; 4]]
@@ -162,10 +162,10 @@ bundle! {
         /// the peak
         #[port = StoredPeak]
         peak: Peak<W>,
-        /// its horizon
+        /// horizon of the peak
         #[port = StoredHorizon]
         horizon: Horizon<W>,
-        /// share of the fragment that the peak has, saturated to 0 to 1
+        /// share of the fragment that belongs to the peak, saturated to [0, 1]
         #[unit = "1"]
         #[port = I16F16]
         weight: Control<W, SHARE>,
@@ -184,24 +184,24 @@ bundle! {
         #[stage = "half"]
         #[port = BlockVector]
         half: PortBlock<W, 3>,
-        /// h along E₁, E₂ and n, at unit length; zero where h or the frame is
+        /// components of h along E₁, E₂ and n, at unit length; zero if h or the tangent basis is zero
         #[unit = "1"]
         #[stage = "local"]
         #[components = "xyz"]
         #[range(-1..=1)]
         #[port = [I2F30; 3]]
         local_half: [Mantissa<W>; 3],
-        /// l along E₁, E₂ and n, at any length
+        /// components of l along E₁, E₂ and n, at any length
         #[unit = "length"]
         #[stage = "local"]
         #[port = BlockVector]
         local_light: PortBlock<W, 3>,
-        /// v along E₁, E₂ and n, at any length
+        /// components of v along E₁, E₂ and n, at any length
         #[unit = "length"]
         #[stage = "local"]
         #[port = BlockVector]
         local_eye: PortBlock<W, 3>,
-        /// slopes z/|x| and z/|y| of l, then of v, cut to ±8
+        /// slopes z/|x| and z/|y| of l, then of v, clamped to ±8
         #[unit = "1"]
         #[stage = "horizon"]
         #[range(-8..=8)]
@@ -213,8 +213,8 @@ bundle! {
         #[range(0..=1)]
         #[port = I16F16]
         visibility: Control<W, SHARE>,
-        /// light that the peak returns, 0 to below 64; 0 where the light is on the horizon of n or below it, and where any of n,
-        /// v, l, h or the frame is zero
+        /// light that the peak returns, 0 to below 64; 0 if the light is on the horizon of n or below it, or if n, v, l, h or the tangent
+        /// basis is zero
         #[unit = "1"]
         #[out = "peaks"]
         #[range(0..64)]

@@ -96,5 +96,5 @@ fn nearest_angle<W: Word>(x: Mantissa<W>, y: Mantissa<W>, steps: u32, p: &Precis
 #[inline(always)]
 fn angle<W: Word>(numerator: u32, denominator: u32, p: &Precision) -> [Mantissa<W>; 2] {
     let (sin, cos) = rom::sin_cos_of_right_angle(numerator, denominator);
-    each!(value in [cos, sin] => Fx::entry(value).keep(p.fraction_bits))
+    each!(value in [cos, sin] => Fx::entry(value).quantise(p.fraction_bits))
 }

@@ -17,7 +17,7 @@ pub fn pixel_columns<W: Word, const N: usize, const COLUMNS: usize>(
     columns: &[Block<W, N>; COLUMNS],
     p: &Precision,
 ) -> [Block<W, N>; COLUMNS] {
-    let sigma = Fx::entry(rom::BOX_SIGMA).keep(p.fraction_bits);
+    let sigma = Fx::entry(rom::BOX_SIGMA).quantise(p.fraction_bits);
     each!(column in places() => {
         let q = columns[column];
         if column < 2 {

@@ -22,5 +22,5 @@ pub fn enter<W: Word, const N: usize>(port: &PortBlock<W, N>, p: &Precision) -> 
 pub fn enter_offset<W: Word>(x: Fx<W, OFFSET>, p: &Precision) -> Fx<W, OFFSET> {
     let dropped = Fx::<W, OFFSET>::FRACTION.saturating_sub(p.offset_bits());
     let largest = ((1 << (W::BITS - 1 - dropped)) - 1) << dropped;
-    x.min(Fx::lit(largest)).keep(p.offset_bits())
+    x.min(Fx::lit(largest)).quantise(p.offset_bits())
 }

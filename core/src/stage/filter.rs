@@ -115,7 +115,7 @@ pub const ROUGHNESS_LOD_BIAS: i32 = -51_936;
 /// Level of detail moved by the bias of rough footprints, not below the finest level.
 #[inline(always)]
 pub fn biased<C: Word<Count = C>>(lod: Fx<C, LOD>, p: &Precision) -> Fx<C, LOD> {
-    (lod + Fx::entry(ROUGHNESS_LOD_BIAS)).max(Fx::zero()).keep(p.lod_bits)
+    (lod + Fx::entry(ROUGHNESS_LOD_BIAS)).max(Fx::zero()).quantise(p.lod_bits)
 }
 
 /// Splits a level of detail; the level above the last repeats the last with weight 0.

@@ -62,7 +62,7 @@ pub fn ramps<W: Word>(slopes: &[AxisSlope<W>; 2], horizon: &Horizon<W>, p: &Prec
         let above = slope.to_control::<SLOPE>() - Fx::<W::Count, SLOPE>::of_control(low);
         // Codes count in 2^−14: 1/width = m·2^(e − 1), e ≤ 14.
         let inverse = short_number::<W::Count>(code);
-        let product: WideControl<W, { SLOPE + MANTISSA }> = above.keep(slope_bits(p).max(STORED)).mul(inverse.m[0]);
+        let product: WideControl<W, { SLOPE + MANTISSA }> = above.quantise(slope_bits(p).max(STORED)).mul(inverse.m[0]);
         let ramp: WideControl<W, { SLOPE + MANTISSA + 13 }> = product.reread().floor_shr_by(Fx::int(14) - inverse.e);
         let ramp = ramp.saturate(Fx::zero(), Fx::int(1)).round_to::<SHARE>(16);
         let step = Fx::select(above.lt(Fx::zero()), Fx::zero(), one);

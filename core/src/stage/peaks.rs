@@ -29,7 +29,7 @@ pub fn peak<W: Word>(
     // 1.5² > 2: a clamped component has no cosine above 0, and three squares stay below 2^63.
     let limit: Mantissa<W> = Fx::number(3, -1);
     let difference = each!(i in [0, 1, 2] => {
-        (Mantissa::of_control(peak.normal[i]) - h.unit[i]).saturate(-limit, limit).keep(fraction_bits)
+        (Mantissa::of_control(peak.normal[i]) - h.unit[i]).saturate(-limit, limit).quantise(fraction_bits)
     });
     let square: Product<W> = dot(&difference, &difference);
     let power = cosine_power(square.reread::<VERSINE>(), short_number::<W>(peak.exponent), p);

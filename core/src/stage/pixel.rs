@@ -35,7 +35,7 @@ pub fn bump<C: Word<Count = C>, const INT: u32>(
     let high = i32::MAX - ((1 << (Fx::<C, OFFSET>::FRACTION - fraction_bits)) >> 1);
     let [low, high] = [i32::MIN, high].map(|end| C::Wide::lit(end.into()));
     let rounded = Fx::<C::Wide, INT>::from_raw(rounded).saturate(Fx::from_raw(low), Fx::from_raw(high));
-    Fx::<C, OFFSET>::from_raw(C::narrow(rounded.raw())).keep(fraction_bits)
+    Fx::<C, OFFSET>::from_raw(C::narrow(rounded.raw())).quantise(fraction_bits)
 }
 
 /// Colour of a surface with two lobes: the mean of both, floored. Equal lobes give their own colour.

@@ -48,7 +48,7 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
     Probes {
         count,
         step: step(&drawn, direction, count, p),
-        lod: lod.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits),
+        lod: lod.saturate(Fx::zero(), map.last_level.to_control()).quantise(p.lod_bits),
         empty: major.is_zero(),
         saturated,
         capped,
@@ -93,11 +93,11 @@ pub fn reach<W: Word>(
     // 2√3/N of what N probes share, over √3.
     let count = Fx::select(probes.capped, probes.count, Fx::int(1));
     let per_sigma: Fx<W, OFFSET> = Fx::lookup(count, &rom::STEP_PER_SIGMA);
-    let diameter: Wide<W, { OFFSET + MANTISSA }> = per_sigma.keep(p.offset_bits()).mul(sigma.m[0]);
+    let diameter: Wide<W, { OFFSET + MANTISSA }> = per_sigma.quantise(p.offset_bits()).mul(sigma.m[0]);
     let diameter = number(diameter, sigma.e + log2_unit, p.fraction_bits);
-    let twice_sigma = diameter.m[0].mul::<MANTISSA, PRODUCT>(Fx::entry(rom::INVERSE_ROOT_THREE).keep(p.fraction_bits));
+    let width = diameter.m[0].mul::<MANTISSA, PRODUCT>(Fx::entry(rom::INVERSE_ROOT_THREE).quantise(p.fraction_bits));
     // With an exponent above 2 it is above 1.
-    let reach: Wide<W, { PRODUCT + 2 }> = twice_sigma.at_exponent(diameter.e.min(Fx::int(2)));
+    let reach: Wide<W, { PRODUCT + 2 }> = width.at_exponent(diameter.e.min(Fx::int(2)));
     reach.max(Fx::zero()).min(Fx::int(1)).round_to_control(16)
 }
 
@@ -198,7 +198,7 @@ fn step<W: Word>(
 ) -> [Control<W, POSITION>; 2] {
     let fraction_bits = p.fraction_bits;
     let per_sigma: Fx<W, OFFSET> = Fx::lookup(count, &rom::STEP_PER_SIGMA);
-    let length: Wide<W, { OFFSET + MANTISSA }> = per_sigma.keep(p.offset_bits()).mul(major.m[0]);
+    let length: Wide<W, { OFFSET + MANTISSA }> = per_sigma.quantise(p.offset_bits()).mul(major.m[0]);
     let length = number(length, major.e, fraction_bits);
     // λ₁ ≤ 2 and 2√3/N < 4: the exponent of the step is at most 3, and 4 fits a position.
     let product = normalise(each!(d in *direction => d.mul::<MANTISSA, PRODUCT>(length.m[0])), length.e, fraction_bits);

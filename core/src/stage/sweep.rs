@@ -37,9 +37,9 @@ pub fn shares<W: Word, const COLUMNS: usize>(
     let (q, _) = align(columns, fraction_bits);
     let along = normalise(each!(q in q => dot(&q, &axes.direction)), Fx::int(0), fraction_bits);
     // Spread with which so many probes reach λ₁ if λ₂ is raised; a single probe does not spread.
-    let spread = spread.min(Fx::lookup(count, &rom::SPREAD_LIMIT).keep(fraction_bits));
+    let spread = spread.min(Fx::lookup(count, &rom::SPREAD_LIMIT).quantise(fraction_bits));
     let mut shares = each!(w in over_length(&along, p) => w.mul::<MANTISSA, PRODUCT>(spread).round_to(fraction_bits));
-    let sigma = Fx::entry(rom::BOX_SIGMA).keep(fraction_bits);
+    let sigma = Fx::entry(rom::BOX_SIGMA).quantise(fraction_bits);
     for share in &mut shares[..2] {
         *share = share.mul::<MANTISSA, PRODUCT>(sigma).round_to(fraction_bits);
     }
@@ -178,7 +178,7 @@ fn on_its_way<W: Word, const F: u32, const WIDE: u32>(
     let row = (sweep.count - Fx::int(1)).shl(4) + index;
     let [from, to] = each!(table in [from, to] => {
         let entry: Control<W, F> = Fx::lookup(row, table);
-        entry.keep(fraction_bits)
+        entry.quantise(fraction_bits)
     });
     let way: WideControl<W, WIDE> = (to - from).mul(sweep.share);
     from + way.round_to::<F>(fraction_bits)
@@ -218,7 +218,7 @@ pub fn level<W: Word>(
     let largest: Control<W, LOD> = largest.to_control();
     let lengths = half_square.floor_shr(1) - largest - largest.floor_shr(1);
     let e = r.e.saturate(Fx::int(-64), Fx::int(64)).to_control::<LOD>();
-    (sweep.level + widening + lengths - e).saturate(Fx::zero(), last_level.to_control()).keep(p.lod_bits)
+    (sweep.level + widening + lengths - e).saturate(Fx::zero(), last_level.to_control()).quantise(p.lod_bits)
 }
 
 /// Weight of probe `index`, in 2^−16 units; the weights of one footprint sum to exactly 2^16.

@@ -36,7 +36,7 @@ bundle! {
 pub fn texture_column<W: Word>(duv: &Block<W, 2>, map: &TextureScale<W>, p: &Precision) -> Block<W, 2> {
     // |du·width| ≤ 2^14.
     let texels: [WideControl<W, { MANTISSA + 32 }>; 2] =
-        each!(i in [0, 1] => duv.m[i].keep(p.fraction_bits).to_control::<MANTISSA>().mul(map.size[i]));
+        each!(i in [0, 1] => duv.m[i].quantise(p.fraction_bits).to_control::<MANTISSA>().mul(map.size[i]));
     of_control(normalise(texels, duv.e - map.log2_unit, p.fraction_bits))
 }
 

@@ -68,7 +68,7 @@ impl RealFragment {
 /// roughness to ½. One in ten has random bits at corner exponents. It depends on the name and the index only, and is drawn in integers;
 /// vectors/FORMAT.md says how.
 pub fn random_fragment(set: &str, index: u64, p: &Precision) -> ReflectionIn {
-    ReflectionIn::of(&Fragments::one(set, index, p))
+    ReflectionIn::from_wires(&Fragments::one(set, index, p))
 }
 
 /// Ports of these fragments of the random set `set`, as [`random_fragment`] makes them, in place of the contents of `batch`.

@@ -66,7 +66,7 @@ impl RealLight {
 /// Light `index` of the random set `set`. Nine in ten are plausible: any attitude, exponents from 1 to 8192, a half vector within four deviations of
 /// n_mod. One in ten has random bits at corner exponents. It depends on the name and the index only.
 pub fn random_light(set: &str, index: u64, p: &Precision) -> HighlightIn {
-    HighlightIn::of(&Lights::one(set, index, p))
+    HighlightIn::from_wires(&Lights::one(set, index, p))
 }
 
 /// Ports of these lights of the random set `set`, as [`random_light`] makes them, in place of the contents of `batch`.

@@ -31,7 +31,7 @@ fn weight(share: u32) -> I16F16 {
 /// Peak `index` of the random set `set`. Nine in ten are plausible: any attitude, exponents from 1 to 8192, a half vector within a few widths of the
 /// peak, horizons from steps to ramps. One in ten has random bits at corner exponents. It depends on the name and the index only.
 pub fn random_lit_peak(set: &str, index: u64, p: &Precision) -> PeakIn {
-    PeakIn::of(&Peaks::one(set, index, p))
+    PeakIn::from_wires(&Peaks::one(set, index, p))
 }
 
 /// Ports of these peaks of the random set `set`, as [`random_lit_peak`] makes them, in place of the contents of `batch`.

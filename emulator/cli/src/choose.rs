@@ -173,7 +173,7 @@ fn table(chosen: &Candidate, next: Option<&Candidate>) -> comfy_table::Table {
         table.add_row([name.to_owned(), text(chosen), next.map_or_else(String::new, text)]);
     };
     for knob in Knob::ALL {
-        row(knob.name(), &|of| knob.text(knob.of(&of.precision)).to_string());
+        row(knob.name(), &|of| knob.text(knob.value_in(&of.precision)).to_string());
     }
     row("PSNR", &|of| format!("{:.2} dB", of.psnr));
     for clock in Clock::ALL {

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use roughxel_study::sweep::{self, Parts, Settings, Study};
+use roughxel_study::measurement::{self, Parts, Settings, Study};
 use roughxel_study::{StudyError, report};
 
 use super::console::{complain, progress};
@@ -61,15 +61,15 @@ pub(super) fn run(args: &StudyArgs) -> Result<(), Failure> {
         let written = report::write(&study, directory)?;
         return tell(&study, &written, args.json);
     }
-    let points = sweep::settings();
+    let points = measurement::settings();
     let parts = Parts::open(directory, &settings)?;
     match parts.count() {
-        0 if args.full => complain(&sweep::forecast(&settings)?),
+        0 if args.full => complain(&measurement::forecast(&settings)?),
         0 => {}
         kept => complain(&format!("{kept} measurements of an interrupted study are kept")),
     }
-    let bar = progress(sweep::work(&settings, &points), "");
-    let study = sweep::run(&settings, &points, &parts, &|what: &str, done: u64| {
+    let bar = progress(measurement::work(&settings, &points), "");
+    let study = measurement::run(&settings, &points, &parts, &|what: &str, done: u64| {
         if done == 0 {
             bar.set_message(what.to_string());
         }

@@ -76,7 +76,8 @@ pub(super) fn run(args: &VerilogArgs) -> Result<(), Failure> {
         Some(scene) => {
             let objects = effects::planned_objects(scene, &profile.precision)?;
             let of_object = |object: &PlannedObject| {
-                let datapaths = object.plan.datapaths().map(|(datapath, effects)| (Design::of(datapath), effects));
+                let datapaths =
+                    object.plan.datapaths().map(|(datapath, effects)| (Design::for_datapath(datapath), effects));
                 let fetches = fetches(&object.plan, object.is_bright).into_iter().map(|design| (design, Effects::NONE));
                 datapaths.chain(fetches).collect::<Vec<_>>()
             };

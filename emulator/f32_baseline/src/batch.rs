@@ -11,7 +11,7 @@ use roughxel_simd::{Backend, LANES};
 
 use crate::formulas::Careful;
 use crate::math::Std;
-use crate::{Environment, Footprint, Fragment};
+use crate::{Environment, FloatFootprint, Fragment};
 
 /// Reflects every fragment of `blocks` into `footprints`. If one of them is longer, its end is left alone.
 pub fn reflect_batch(environment: &Environment, blocks: &[FragmentBlock], footprints: &mut [FootprintBlock]) {
@@ -101,8 +101,8 @@ pub struct FootprintBlock {
 
 impl FootprintBlock {
     /// Footprint of fragment `lane` of the block, 0 … [`LANES`] − 1.
-    pub fn get(&self, lane: usize) -> Footprint {
-        Footprint {
+    pub fn get(&self, lane: usize) -> FloatFootprint {
+        FloatFootprint {
             face: self.face[lane],
             st: Vec2::new(self.st[0][lane], self.st[1][lane]),
             probes: self.probes[lane],
@@ -113,7 +113,7 @@ impl FootprintBlock {
     }
 
     #[inline(always)]
-    fn set(&mut self, lane: usize, footprint: Footprint) {
+    fn set(&mut self, lane: usize, footprint: FloatFootprint) {
         self.face[lane] = footprint.face;
         self.st[0][lane] = footprint.st.x;
         self.st[1][lane] = footprint.st.y;

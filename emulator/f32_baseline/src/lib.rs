@@ -99,7 +99,7 @@ impl Fragment {
 
 /// Data of one fragment that a sampler needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Footprint {
+pub struct FloatFootprint {
     /// Face 0…5: +x, −x, +y, −y, +z, −z.
     pub face: u32,
     /// s, t in [−1, 1].
@@ -156,25 +156,25 @@ impl Environment {
     /// Reflects one fragment. It is one call a fragment, as in a renderer, whose fetches come next. Inlined into a bare loop, it would be vectorised
     /// too.
     #[inline(never)]
-    pub fn reflect<M: Math, F: Formulas>(&self, fragment: &Fragment) -> Footprint {
+    pub fn reflect<M: Math, F: Formulas>(&self, fragment: &Fragment) -> FloatFootprint {
         self.datapath::<M, F>(fragment)
     }
 
     /// Reflects one fragment on a given tangent basis of any system; `main_direction` is not read.
     #[inline(never)]
-    pub fn reflect_on<M: Math, F: Formulas>(&self, fragment: &Fragment, frame: Frame) -> Footprint {
+    pub fn reflect_on<M: Math, F: Formulas>(&self, fragment: &Fragment, frame: Frame) -> FloatFootprint {
         self.footprint::<M, F>(fragment, frame)
     }
 
     /// Tangent basis, perturb, reflect, cube face, columns, ellipse, axes, probes: the body of a loop that is to be vectorised.
     #[inline(always)]
-    pub fn datapath<M: Math, F: Formulas>(&self, fragment: &Fragment) -> Footprint {
+    pub fn datapath<M: Math, F: Formulas>(&self, fragment: &Fragment) -> FloatFootprint {
         self.footprint::<M, F>(fragment, F::frame::<M>(fragment.normal, fragment.main_direction))
     }
 
     /// Perturb and all later steps.
     #[inline(always)]
-    fn footprint<M: Math, F: Formulas>(&self, fragment: &Fragment, frame: Frame) -> Footprint {
+    fn footprint<M: Math, F: Formulas>(&self, fragment: &Fragment, frame: Frame) -> FloatFootprint {
         let &Fragment { normal: n, view: v, offset, roughness, dview, dnormal, .. } = fragment;
         let Frame { e1, e2, pole } = frame;
 
@@ -238,7 +238,7 @@ impl Environment {
         } else {
             0
         };
-        Footprint {
+        FloatFootprint {
             face: axis + u32::from(negative),
             st: Vec2::new(s, t),
             probes: count as u32,

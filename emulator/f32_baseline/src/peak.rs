@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use roughxel_core::ports::PeakIn;
-use roughxel_core::setup::{real_peak, real_vector};
+use roughxel_core::setup::{RealPeak, real_peak, real_vector};
 
 use crate::formulas::{Formulas, Frame};
 use crate::math::Math;
@@ -29,7 +29,7 @@ pub struct LitPeak {
 impl From<&PeakIn> for LitPeak {
     /// Rounds the numbers of the ports to `f32`.
     fn from(ports: &PeakIn) -> Self {
-        let (peak, amplitude, exponent) = real_peak(&ports.peak);
+        let RealPeak { normal: peak, amplitude, exponent } = real_peak(&ports.peak);
         Self {
             normal: real_vector(&ports.surface.normal).as_vec3(),
             view: real_vector(&ports.surface.view).as_vec3(),

@@ -69,7 +69,7 @@ pub fn write(out: &Path) {
     }
     let word = if precision.word_bits() == 16 { "Narrow" } else { "Whole" };
     let value = Knob::ALL.into_iter().fold("Precision::STANDARD".into(), |within: String, knob| {
-        format!("Knob::{knob:?}.with({}, {within})", knob.of(&precision))
+        format!("Knob::{knob:?}.with({}, {within})", knob.value_in(&precision))
     });
     let text = format!(
         "/// Its accuracy.\nstruct Knobs;\nimpl Accuracy for Knobs {{\n    type Word = width::{word};\n    const PRECISION: Precision = \

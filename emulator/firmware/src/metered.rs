@@ -20,7 +20,7 @@ pub struct Metered<X, M>(pub X, PhantomData<M>);
 
 impl<X, M> Metered<X, M> {
     #[inline(always)]
-    fn of(wire: X) -> Self {
+    fn new(wire: X) -> Self {
         Self(wire, PhantomData)
     }
 }
@@ -31,43 +31,43 @@ impl<X: Wire, M: Meter> Wire for Metered<X, M> {
     const BITS: u32 = X::BITS;
     #[inline(always)]
     fn lit(value: i64) -> Self {
-        Self::of(X::lit(value))
+        Self::new(X::lit(value))
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self::of(self.0.add(other.0))
+        Self::new(self.0.add(other.0))
     }
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self::of(self.0.sub(other.0))
+        Self::new(self.0.sub(other.0))
     }
     #[inline(always)]
     fn shl(self, k: u32) -> Self {
-        Self::of(self.0.shl(k))
+        Self::new(self.0.shl(k))
     }
     #[inline(always)]
     fn sar(self, k: u32) -> Self {
-        Self::of(self.0.sar(k))
+        Self::new(self.0.sar(k))
     }
     #[inline(always)]
     fn shl_by(self, k: Self::Count) -> Self {
-        Self::of(self.0.shl_by(k.0))
+        Self::new(self.0.shl_by(k.0))
     }
     #[inline(always)]
     fn sar_by(self, k: Self::Count) -> Self {
-        Self::of(self.0.sar_by(k.0))
+        Self::new(self.0.sar_by(k.0))
     }
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        Self::of(self.0.and(other.0))
+        Self::new(self.0.and(other.0))
     }
     #[inline(always)]
     fn or(self, other: Self) -> Self {
-        Self::of(self.0.or(other.0))
+        Self::new(self.0.or(other.0))
     }
     #[inline(always)]
     fn xor(self, other: Self) -> Self {
-        Self::of(self.0.xor(other.0))
+        Self::new(self.0.xor(other.0))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Self::Flag {
@@ -75,7 +75,7 @@ impl<X: Wire, M: Meter> Wire for Metered<X, M> {
     }
     #[inline(always)]
     fn select(flag: Self::Flag, a: Self, b: Self) -> Self {
-        Self::of(X::select(flag, a.0, b.0))
+        Self::new(X::select(flag, a.0, b.0))
     }
     #[inline(always)]
     fn unless<T>(flag: Self::Flag, instead: T, body: impl FnOnce() -> T) -> T {
@@ -83,7 +83,7 @@ impl<X: Wire, M: Meter> Wire for Metered<X, M> {
     }
     #[inline(always)]
     fn leading_zeros(self) -> Self::Count {
-        Metered::of(self.0.leading_zeros())
+        Metered::new(self.0.leading_zeros())
     }
 }
 
@@ -92,31 +92,31 @@ impl<W: Word, M: Meter> Word for Metered<W, M> {
     type Wide = Metered<W::Wide, M>;
     #[inline(always)]
     fn mul(self, other: Self) -> Self::Wide {
-        Metered::of(self.0.mul(other.0))
+        Metered::new(self.0.mul(other.0))
     }
     #[inline(always)]
     fn widen(self) -> Self::Wide {
-        Metered::of(self.0.widen())
+        Metered::new(self.0.widen())
     }
     #[inline(always)]
     fn narrow(wide: Self::Wide) -> Self {
-        Self::of(W::narrow(wide.0))
+        Self::new(W::narrow(wide.0))
     }
     #[inline(always)]
     fn round(wide: Self::Wide, drop: u32, up: u32) -> Self {
-        Self::of(W::round(wide.0, drop, up))
+        Self::new(W::round(wide.0, drop, up))
     }
     #[inline(always)]
     fn lookup(index: Self::Count, table: &'static [i32]) -> Self {
-        Self::of(W::lookup(index.0, table))
+        Self::new(W::lookup(index.0, table))
     }
     #[inline(always)]
     fn to_count(self) -> Self::Count {
-        Metered::of(self.0.to_count())
+        Metered::new(self.0.to_count())
     }
     #[inline(always)]
     fn of_count(count: Self::Count) -> Self {
-        Self::of(W::of_count(count.0))
+        Self::new(W::of_count(count.0))
     }
 }
 
@@ -124,16 +124,16 @@ impl<X: WideWire, M: Meter> WideWire for Metered<X, M> {
     type Word = Metered<X::Word, M>;
     #[inline(always)]
     fn wide_to_count(self) -> Self::Count {
-        Metered::of(self.0.wide_to_count())
+        Metered::new(self.0.wide_to_count())
     }
     #[inline(always)]
     fn wide_of_count(count: Self::Count) -> Self {
-        Self::of(X::wide_of_count(count.0))
+        Self::new(X::wide_of_count(count.0))
     }
     #[inline(always)]
     fn normalised<const N: usize>(wires: [Self; N], drop: u32, up: u32) -> ([Self::Word; N], Self::Count, Self::Flag) {
         let (words, zeros, all_zero) = X::normalised(each!(wire in wires => wire.0), drop, up);
-        (each!(word in words => Metered::of(word)), Metered::of(zeros), all_zero)
+        (each!(word in words => Metered::new(word)), Metered::new(zeros), all_zero)
     }
 }
 
@@ -153,15 +153,15 @@ struct Enter<M>(PhantomData<M>);
 impl<W: Word, M: Meter> Rewire<W, Metered<W, M>> for Enter<M> {
     #[inline(always)]
     fn word(&mut self, wire: W, _: u32) -> Metered<W, M> {
-        Metered::of(wire)
+        Metered::new(wire)
     }
     #[inline(always)]
     fn control(&mut self, wire: W::Count, _: u32) -> Metered<W::Count, M> {
-        Metered::of(wire)
+        Metered::new(wire)
     }
     #[inline(always)]
     fn wide(&mut self, wire: <W::Count as Word>::Wide, _: u32) -> Metered<<W::Count as Word>::Wide, M> {
-        Metered::of(wire)
+        Metered::new(wire)
     }
     #[inline(always)]
     fn flag(&mut self, wire: W::Flag) -> W::Flag {

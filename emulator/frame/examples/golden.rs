@@ -25,7 +25,7 @@ struct Golden<'a> {
 }
 
 impl<'a> Golden<'a> {
-    fn of(line: &'a str) -> Option<Self> {
+    fn parse(line: &'a str) -> Option<Self> {
         let mut words = line.split_whitespace();
         let mut next = || words.next();
         Some(Self { scene: next()?, profile: next()?, mode: next()?, digest: next()? })
@@ -70,7 +70,7 @@ fn run() -> Result<(usize, usize), String> {
         let scene = Scene::builtin(&name).ok_or_else(|| failed(&"not built in"))?.map_err(|error| failed(&error))?;
         let scene = scene.with_size(width, height).map_err(|error| failed(&error))?;
         let peaks = ScenePeaks::new(&scene, true, None, &|_| ()).map_err(|error| failed(&error))?;
-        let lines = list.lines().filter(|line| !line.starts_with('#')).filter_map(Golden::of);
+        let lines = list.lines().filter(|line| !line.starts_with('#')).filter_map(Golden::parse);
         let golden: Vec<Golden<'_>> = lines.filter(|golden| golden.scene == name).step_by(part).collect();
         if golden.is_empty() {
             return Err(failed(&"the list has no line of it"));

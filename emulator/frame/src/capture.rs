@@ -44,7 +44,7 @@ impl Prepared<'_> {
             let (attributes, mut rows) = (triangle.fragment(x, y), Fragments::new(material).rows());
             triangle.fragments(&[[x; LANES], [y; LANES]], &mut rows);
             let surface = self.shader().surface_input(material, &rows, &triangle.derivatives());
-            let surface = SurfaceIn::of(&surface);
+            let surface = SurfaceIn::from_wires(&surface);
             let edge_texels = self.environment.as_ref().map_or(1, |map| map.edge() as u16);
             let FragmentAttributes { dview, dnormal, .. } = attributes;
             let input = ReflectionIn { surface, dview, dnormal, edge_texels };
@@ -65,7 +65,7 @@ fn quantised(input: &ReflectionIn, p: &Precision) -> ReflectionIn {
             ..rounded
         }
     };
-    let number = |x: I4F28| I4F28::of(&x.wires().keep(p.offset_bits()));
+    let number = |x: I4F28| I4F28::from_wires(&x.wires().quantise(p.offset_bits()));
     let SurfaceIn { normal, view, frame_vectors, offset, roughness } = input.surface;
     ReflectionIn {
         surface: SurfaceIn {

@@ -6,7 +6,7 @@ use roughxel_core::precision::Precision;
 use roughxel_core::signals::Sweep;
 use roughxel_maps::environment::CubePyramid;
 use roughxel_shader::{
-    Batch, Channel, CubeTexels, EnvironmentColours, Footprint, Ordered, Reflector, ShadedColour, Shader,
+    Batch, Channel, CubeTexels, EnvironmentColours, FaceFootprint, Ordered, Reflector, ShadedColour, Shader,
 };
 use roughxel_simd::Backend;
 
@@ -49,7 +49,7 @@ impl EnvironmentMap {
 
     /// The mean colour of a footprint on its face, I8F24, below 64: N trilinear probes along the major axis. A rough footprint is
     /// sampled with the roughness bias.
-    pub fn sample(&self, footprint: &Footprint<i32>, is_rough: bool, p: &Precision) -> [Channel; 3] {
+    pub fn sample(&self, footprint: &FaceFootprint<i32>, is_rough: bool, p: &Precision) -> [Channel; 3] {
         self.mirror(is_rough, |reflector, shown| {
             let looks = &Batch::from_iter([*footprint]);
             let colours = EnvironmentColours { looks, reflector };
@@ -68,7 +68,7 @@ impl EnvironmentMap {
 
     /// Colour of the environment in a perfect mirror.
     fn mirror(&self, is_rough: bool, look: impl FnOnce(Reflector<'_>, &mut Batch<ShadedColour<i32>>)) -> [Channel; 3] {
-        let own = &Batch::from_iter([ShadedColour { channels: [Channel::zero(); 3], taps: Fx::zero() }]);
+        let own = &Batch::from_iter([ShadedColour { channels: [Channel::zero(); 3], samples: Fx::zero() }]);
         let mut shown = Batch::default();
         look(Reflector { own, map: &self.texels, is_rough, reflectance: &[Fx::int(1); 3] }, &mut shown);
         shown.get(0).channels

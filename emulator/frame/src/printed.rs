@@ -12,7 +12,7 @@ use roughxel_shader::Channel;
 /// The share of a light, with the exponent m. It is 0 below the surface and where the formula is 0/0: at n = h, and everywhere on
 /// a smooth surface.
 pub(super) fn light(surface: &Surface<i32>, input: &SurfaceInput<i32>, light: &BlockVector, m: f64) -> Channel {
-    let ports = SurfaceIn::of(input);
+    let ports = SurfaceIn::from_wires(input);
     let light = real_vector(light).to_array();
     let normal = direction(&surface.normal_mod);
     let half = unit(half(light, real_vector(&ports.view).to_array()));

@@ -117,7 +117,7 @@ impl Prepared<'_> {
         let colours = sums.pixels.into_iter().zip(counts);
         let colours = colours.map(|(sums, count)| sums.map(|sum| pixel::pixel(&mean(sum, count)).raw()));
         let colours = colours.collect();
-        (colours, Counted { texels: 4 * sums.taps, times: sums.clock.stop() })
+        (colours, Counted { texels: 4 * sums.samples, times: sums.clock.stop() })
     }
 
     /// Shades the samples of an object, triangle by triangle.

@@ -224,7 +224,7 @@ impl BumpPyramid {
                 let texels = sums.sums.par_iter().enumerate();
                 let (columns, rows) = (covers(width, sums.width), covers(height, sums.height));
                 let covariance = |(index, moments): (usize, &Moments)| {
-                    let covariance = Covariance::of(*moments, sums.area);
+                    let covariance = Covariance::from_moments(*moments, sums.area);
                     let cover = [&columns[index % columns.len()], &rows[index / columns.len()]];
                     let mean = [moments[0], moments[1]].map(|sum| sum as f64 / sums.area as f64);
                     let factor = match options.deviation {

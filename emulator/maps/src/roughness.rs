@@ -100,7 +100,7 @@ impl Covariance {
     ///
     /// area · Σbb − Σb Σb is exact in 128 bits (sums up to 2^56, area up to 2^26). The only roundings are those of its
     /// conversion, of area² and of the quotient.
-    pub(crate) fn of([s1, s2, s11, s12, s22]: Moments, area: i64) -> Self {
+    pub(crate) fn from_moments([s1, s2, s11, s12, s22]: Moments, area: i64) -> Self {
         let area_squared = area as f64 * area as f64;
         let entry = |square: i64, first: i64, second: i64| {
             let exact = i128::from(area) * i128::from(square) - i128::from(first) * i128::from(second);
@@ -262,7 +262,7 @@ mod tests {
                 *sum += moment;
             }
         }
-        Covariance::of(sums, offsets.len() as i64)
+        Covariance::from_moments(sums, offsets.len() as i64)
     }
 
     #[test]
@@ -314,7 +314,7 @@ mod tests {
         let top = 32766_i64;
         let sums = [top * n + 1, 0, top * top * n + 2 * top + 1, 0, 0];
         let expected = (1.0 / n as f64) * (1.0 - 1.0 / n as f64);
-        assert_eq!(Covariance::of(sums, n).a, expected);
+        assert_eq!(Covariance::from_moments(sums, n).a, expected);
     }
 
     #[test]

@@ -115,7 +115,7 @@ impl Verilog {
     /// Errors: everything [`VerilogError`] lists.
     pub fn new(design: Design, net: Net, options: &Options) -> Result<Self, VerilogError> {
         let prepared = Prepared::new(net)?;
-        let own = design.datapath().map_or(Effects::NONE, |datapath| options.effects.of(datapath));
+        let own = design.datapath().map_or(Effects::NONE, |datapath| options.effects.restricted_to(datapath));
         let (effects, frame) = (names(&own), frame(&own));
         let origin =
             format!("Design {}, profile {}, effects {effects}, frame {frame}.", design.name(), options.profile);
@@ -361,7 +361,7 @@ impl FileEntry {
 /// Knobs as profile files name them: a number, or the name of a choice.
 pub fn knobs(p: &Precision) -> BTreeMap<&'static str, serde_json::Value> {
     let value = |knob: Knob| {
-        let value = knob.of(p);
+        let value = knob.value_in(p);
         let text = knob.text(value).to_string();
         if text.parse() == Ok(value) { value.into() } else { text.into() }
     };

@@ -11,7 +11,7 @@ const LONGEST_SIGMA: f64 = 2.0;
 
 /// The data that a filter reads for one fragment of an environment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Footprint {
+pub struct ProbeRow {
     /// Centre.
     pub centre: Selection,
     /// Probe count, 1 to the profile's largest.
@@ -22,7 +22,7 @@ pub struct Footprint {
     pub lod: f64,
 }
 
-impl Footprint {
+impl ProbeRow {
     /// Probes on a face around `centre`. `sigma` is λ₁; the step is clamped as in the datapath.
     pub(crate) fn new(centre: Selection, plan: &ProbePlan, sigma: f64) -> Self {
         let reach = if sigma > LONGEST_SIGMA { LONGEST_SIGMA / sigma } else { 1.0 };
@@ -33,7 +33,7 @@ impl Footprint {
 /// A reflection datapath that gives a frame its footprints.
 pub trait Footprints: Sync {
     /// The footprint of one fragment; `None` if it is not a number, and the reflection is black.
-    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<Footprint>;
+    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<ProbeRow>;
 
     /// The probes of one fragment on the sphere. The default is those of the reference.
     fn lobe(&self, inputs: &Inputs, options: &Options) -> Option<Vec<LobeProbe>> {
@@ -46,8 +46,8 @@ pub trait Footprints: Sync {
 pub struct Float64;
 
 impl Footprints for Float64 {
-    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<Footprint> {
+    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<ProbeRow> {
         let outputs = reflection(inputs, options);
-        Some(Footprint::new(outputs.selection, &outputs.probes, outputs.axes.major))
+        Some(ProbeRow::new(outputs.selection, &outputs.probes, outputs.axes.major))
     }
 }

@@ -12,7 +12,7 @@ mod footprint;
 mod maps;
 mod shade;
 
-pub use footprint::{Float64, Footprint, Footprints};
+pub use footprint::{Float64, Footprints, ProbeRow};
 
 use rayon::prelude::*;
 use roughxel_assets::Picture;

@@ -10,7 +10,7 @@ use roughxel_scene::{Background, Object, Scene};
 use roughxel_shader::FragmentAttributes;
 use roughxel_shader::ObjectPlan;
 
-use super::footprint::{Footprint, Footprints};
+use super::footprint::{Footprints, ProbeRow};
 use super::maps::{self, BUMP_CHANNELS};
 use roughxel_reference::cube::select;
 use roughxel_reference::filter::{
@@ -254,8 +254,8 @@ impl<'a> Shader<'a> {
     }
 
     /// The probes of a footprint; `bias` ≤ 0 moves their level of detail.
-    fn assembled(&self, environment: &[CubeMap<3>], footprint: &Footprint, bias: f64) -> [f64; 3] {
-        let &Footprint { centre, count, step, lod } = footprint;
+    fn assembled(&self, environment: &[CubeMap<3>], footprint: &ProbeRow, bias: f64) -> [f64; 3] {
+        let &ProbeRow { centre, count, step, lod } = footprint;
         let lod = (lod + bias).max(0.0);
         // A filter does not use the origin of the level.
         let plan = ProbePlan { count, step, lod, minor: 0.0, capped: false, lod_unclamped: lod };
@@ -286,7 +286,7 @@ impl<'a> Shader<'a> {
                 let columns = self.projection.dview().map(column);
                 let footprint =
                     reference::texture(columns, 0.5 * f64::from(edge), [edge; 2], self.rule, self.max_probes);
-                self.assembled(environment, &Footprint::new(selection, &footprint.probes, footprint.axes.major), 0.0)
+                self.assembled(environment, &ProbeRow::new(selection, &footprint.probes, footprint.axes.major), 0.0)
             }
         }
     }

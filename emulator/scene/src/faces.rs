@@ -135,12 +135,12 @@ fn cut(picture: &Picture, edge: u32, [column, row]: [u32; 2]) -> Picture {
 /// Texel i lies at s = 2i/(n − 1) − 1 and moves to (2i + 1)/n − 1, by linear interpolation along both axes.
 fn with_texels_inside(face: &Picture) -> Picture {
     let edge = face.width as usize;
-    let tap = |index: usize| {
+    let neighbours = |index: usize| {
         let at = (index as f64 + 0.5) * (edge - 1) as f64 / edge as f64;
         (at as usize, (at as usize + 1).min(edge - 1), at.fract())
     };
     let pixel = |index: usize| {
-        let ((left, right, across), (top, bottom, down)) = (tap(index % edge), tap(index / edge));
+        let ((left, right, across), (top, bottom, down)) = (neighbours(index % edge), neighbours(index / edge));
         let at = |column: usize, row: usize| face.pixels[row * edge + column].map(f64::from);
         let corners = [at(left, top), at(right, top), at(left, bottom), at(right, bottom)];
         std::array::from_fn(|channel| {

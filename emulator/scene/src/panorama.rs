@@ -156,8 +156,8 @@ impl Samples {
         let [s, t] = &self.places;
         let [mut left, mut top, mut right_weight, mut bottom_weight] = [[0.0; LANES]; 4];
         for lane in 0..LANES {
-            let tap = tap(panorama, position(direction(face, s[lane], t[lane])));
-            [left[lane], top[lane], right_weight[lane], bottom_weight[lane]] = tap;
+            let cell = cell(panorama, position(direction(face, s[lane], t[lane])));
+            [left[lane], top[lane], right_weight[lane], bottom_weight[lane]] = cell;
         }
         for lane in 0..std::mem::take(&mut self.count) {
             let colour = bilinear(panorama, [left[lane], top[lane], right_weight[lane], bottom_weight[lane]]);
@@ -179,7 +179,7 @@ fn position([x, y, z]: [f64; 3]) -> [f64; 2] {
 /// First column and row of a bilinear sample, and the weights of the second column and row. Columns wrap around; rows end at
 /// the poles.
 #[inline(always)]
-fn tap(panorama: &Picture, [u, v]: [f64; 2]) -> [f64; 4] {
+fn cell(panorama: &Picture, [u, v]: [f64; 2]) -> [f64; 4] {
     let [width, height] = [panorama.width, panorama.height].map(f64::from);
     let x = u * width - 0.5;
     let y = (v * height - 0.5).max(0.0).min(height - 1.0);
@@ -188,7 +188,7 @@ fn tap(panorama: &Picture, [u, v]: [f64; 2]) -> [f64; 4] {
     [if left < 0.0 { width - 1.0 } else { left }, top, x - left, y - top]
 }
 
-/// Bilinear sample at a [`tap`].
+/// Bilinear sample in a [`cell`].
 #[inline(always)]
 fn bilinear(panorama: &Picture, [left, top, right_weight, bottom_weight]: [f64; 4]) -> [f64; 3] {
     let (width, height) = (panorama.width as usize, panorama.height as usize);

@@ -110,7 +110,7 @@ impl<B: Form> Batch<B> {
         &self.words()[word * self.stride..][..self.len]
     }
 
-    /// Row of one of the wires: `row_of(|seen| seen.taps)`.
+    /// Row of one of the wires: `row_of(|seen| seen.samples)`.
     pub fn row_of<const INT: u32>(&self, wire: impl Fn(&B) -> Fx<i32, INT>) -> &[i32] {
         self.row(wire(&numbered::<B>()).raw() as usize)
     }

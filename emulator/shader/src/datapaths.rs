@@ -27,7 +27,7 @@ impl Pass for Reflections<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ReflectionOutput<W> {
-        datapath::fragment(&group.of(self.inputs), self.plan, p)
+        datapath::fragment(&group.load(self.inputs), self.plan, p)
     }
 }
 
@@ -47,7 +47,7 @@ impl Pass for LitSurfaces<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> HighlightOutput<W> {
-        datapath::leave_highlight(&datapath::lit_surface(&group.of(self.inputs), self.plan, p))
+        datapath::leave_highlight(&datapath::lit_surface(&group.load(self.inputs), self.plan, p))
     }
 }
 
@@ -67,6 +67,6 @@ impl Pass for LitPeaks<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> PeakOutput<W> {
-        datapath::lit_peak(&group.of(self.inputs), self.plan, p)
+        datapath::lit_peak(&group.load(self.inputs), self.plan, p)
     }
 }

@@ -14,7 +14,7 @@ use roughxel_simd::BatchWord;
 use crate::batch::Batch;
 use crate::order::Order;
 use crate::pass::{Group, Pass, Shader, runs};
-use crate::signals::{Footprint, ShadedColour};
+use crate::signals::{FaceFootprint, ShadedColour};
 use crate::texels::CubeTexels;
 
 runs!(Lobes);
@@ -43,10 +43,10 @@ impl EnvironmentLookup for CubePoint<i32> {
 }
 
 /// A footprint on the plane of a face.
-impl EnvironmentLookup for Footprint<i32> {
+impl EnvironmentLookup for FaceFootprint<i32> {
     #[inline(always)]
     fn seen<W: BatchWord>(
-        footprint: &Footprint<W>,
+        footprint: &FaceFootprint<W>,
         is_rough: bool,
         cube: &Cube<'_, CubeTexels>,
         p: &Precision,
@@ -99,10 +99,10 @@ impl<L: EnvironmentLookup> Pass for EnvironmentColours<'_, L> {
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
         let Reflector { own, map, is_rough, reflectance } = self.reflector;
         let cube = &map.cube();
-        let seen = L::seen(&group.of(self.looks), is_rough, cube, p);
+        let seen = L::seen(&group.load(self.looks), is_rough, cube, p);
         let reflectance = each!(share in *reflectance => group.all(&Value(share)).0);
-        let channels = sampler::blended::<W, _>(&group.of(own).channels, &seen, &reflectance, cube);
-        ShadedColour { channels: each!(Value(channel) in channels => channel), taps: seen.taps }
+        let channels = sampler::blended::<W, _>(&group.load(own).channels, &seen, &reflectance, cube);
+        ShadedColour { channels: each!(Value(channel) in channels => channel), samples: seen.samples }
     }
 }
 
@@ -113,9 +113,14 @@ impl EnvironmentColours<'_, CubePoint<i32>> {
     }
 }
 
-impl EnvironmentColours<'_, Footprint<i32>> {
+impl EnvironmentColours<'_, FaceFootprint<i32>> {
     /// Replaces `shown` by the colours of the fragments. Lanes are grouped by probe count if that saves iterations.
-    pub fn run(&self, shader: Shader<'_>, ordered: &mut Ordered<Footprint<i32>>, shown: &mut Batch<ShadedColour<i32>>) {
+    pub fn run(
+        &self,
+        shader: Shader<'_>,
+        ordered: &mut Ordered<FaceFootprint<i32>>,
+        shown: &mut Batch<ShadedColour<i32>>,
+    ) {
         ordered.run(self, self.looks.counts(), shader, shown);
     }
 }
@@ -174,8 +179,8 @@ impl Pass for Lobes<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, _: &Precision) -> ShadedColour<W> {
-        let [a, b] = [group.of(self.0[0]), group.of(self.0[1])];
+        let [a, b] = [group.load(self.0[0]), group.load(self.0[1])];
         let channels = each!(i in [0, 1, 2] => pixel::lobes::<W>(a.channels[i], b.channels[i]));
-        ShadedColour { channels, taps: a.taps + b.taps }
+        ShadedColour { channels, samples: a.samples + b.samples }
     }
 }

@@ -123,7 +123,7 @@ impl Fragments {
 
     /// Places in a map.
     pub(crate) fn places_in(&self, map: &WrappedMap) -> Places<'_> {
-        Places { centres: &self.centres, footprints: self.footprints.of(map) }
+        Places { centres: &self.centres, footprints: self.footprints.for_map(map) }
     }
 
     /// Removes all fragments; the memory is kept.
@@ -173,7 +173,7 @@ impl MapFootprints {
     }
 
     /// Footprints in a map.
-    pub fn of(&self, map: &WrappedMap) -> Option<&Batch<WrappedFootprint<i32>>> {
+    pub fn for_map(&self, map: &WrappedMap) -> Option<&Batch<WrappedFootprint<i32>>> {
         self.0.iter().find(|sized| sized.size == map.size()).map(|sized| &sized.footprints)
     }
 }

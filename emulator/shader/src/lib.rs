@@ -47,7 +47,7 @@ pub use peaks_read::{LightOnPeaks, PeaksRead};
 pub use phases::{Phase, PhaseClock, PhaseTimes};
 pub use plan::{Effect, ObjectPlan};
 pub use shade::Work;
-pub use signals::{Derivatives, FilteredBump, Footprint, Ports, ShadedColour, Slopes, SurfaceAttributes};
+pub use signals::{Derivatives, FaceFootprint, FilteredBump, Ports, ShadedColour, Slopes, SurfaceAttributes};
 pub use sums::Sums;
 pub use surface::{Cores, Footprints, Points, Reflected, Surfaces, Sweeps};
 pub use texels::{BumpTexels, CubeTexels, MapTexels, RoughBump, Texel, WrappedMap};

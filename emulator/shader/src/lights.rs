@@ -27,7 +27,7 @@ pub(crate) fn shown_of<W: BatchWord>(
     colour: &[Control<i32, LIGHT>; 3],
 ) -> ShadedColour<W> {
     let channels = each!(channel in *colour => pixel::modulated::<W>(returned, group.all(&Value(channel)).0));
-    ShadedColour { channels, taps: Fx::zero() }
+    ShadedColour { channels, samples: Fx::zero() }
 }
 
 /// Surfaces, and the directions from them to a light.
@@ -59,7 +59,7 @@ impl Pass for Highlights<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
-        let (surface, light) = (group.of(self.lit.surfaces), group.of(self.lit.directions));
+        let (surface, light) = (group.load(self.lit.surfaces), group.load(self.lit.directions));
         let gloss = datapath::gloss(&surface, &group.all(self.shininess), self.plan, p);
         shown_of(group, datapath::highlight(&surface, &gloss, &light, p).f, self.colour)
     }
@@ -76,7 +76,7 @@ impl Pass for Halves<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> LocalDirection<W> {
-        let lit = datapath::peak_light(&group.of(self.0.surfaces), &group.of(self.0.directions), p);
+        let lit = datapath::peak_light(&group.load(self.0.surfaces), &group.load(self.0.directions), p);
         LocalDirection { none: lit.direction.none | lit.side.below, ..lit.direction }
     }
 }
@@ -92,7 +92,7 @@ impl Pass for HorizonSlopes<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Slopes<W> {
-        let (surface, light) = (group.of(self.0.surfaces), group.of(self.0.directions));
+        let (surface, light) = (group.load(self.0.surfaces), group.load(self.0.directions));
         let light = datapath::peak_light(&surface, &light, p).light;
         let eye = datapath::local_components(&surface.view, &surface.frame, &surface.normal, p);
         let [light, eye] = each!(local in [light, eye] => datapath::horizon_slopes(&local, p));
@@ -118,7 +118,7 @@ impl Pass for GivenPeaks<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
-        shown_of(group, given(&group.of(self.halves), self.peaks, p), self.colour)
+        shown_of(group, given(&group.load(self.halves), self.peaks, p), self.colour)
     }
 }
 

@@ -10,7 +10,7 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::signals::{MapScale, TexturePosition, WrappedFootprint};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::word::Word;
-use roughxel_core::wrapped::{self, Mean, Tap, View};
+use roughxel_core::wrapped::{self, Mean, Neighbours, View};
 use roughxel_simd::BatchWord;
 
 use crate::batch::Batch;
@@ -59,7 +59,7 @@ impl Pass for TextureFootprints<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> WrappedFootprint<W> {
-        let (duv, texture, scale) = (group.of(self.derivatives), group.all(&self.scale.0), group.all(&self.scale.1));
+        let (duv, texture, scale) = (group.load(self.derivatives), group.all(&self.scale.0), group.all(&self.scale.1));
         let TextureFootprint { axes, probes, .. } = datapath::texture_footprint(&duv, &texture, &scale, p);
         let reach = if self.is_rough {
             datapath::probe_reach([&axes.major, &axes.minor], &probes, &texture, p)
@@ -88,10 +88,10 @@ pub(crate) fn viewed<W: BatchWord, R>(
     is_rough: bool,
     body: impl FnOnce(&View<'_, W>) -> R,
 ) -> R {
-    let centre = &group.of(places.centres);
+    let centre = &group.load(places.centres);
     let footprint = places.footprints.map(
         #[inline(always)]
-        |footprints| (group.of(footprints), group.all(&map.scale.0)),
+        |footprints| (group.load(footprints), group.all(&map.scale.0)),
     );
     let footprint = footprint.as_ref().map(
         #[inline(always)]
@@ -129,10 +129,10 @@ impl Pass for Colours<'_> {
                 wrapped::mean(
                     view,
                     #[inline(always)]
-                    |tap: &Tap<W>, _| {
+                    |neighbours: &Neighbours<W>, _| {
                         fetched(
                             #[inline(always)]
-                            || texels.quad(tap),
+                            || texels.quad(neighbours),
                         )
                     },
                     texel::colour_samples::<W, _>,
@@ -146,11 +146,11 @@ impl Pass for Colours<'_> {
             let own = group.all(&Value(self.own[i])).0;
             pixel::modulated::<W>(pixel::colour::<W>(mean.channels[i], unit), own)
         });
-        ShadedColour { channels, taps: mean.taps }
+        ShadedColour { channels, samples: mean.samples }
     }
 }
 
-/// Reads the texels of a tap in a separate function, like a stage: a pass reads them in several places.
+/// Reads texels in a separate function, like a stage: a pass reads them in several places.
 #[inline(always)]
 fn fetched<W: BatchWord, B: Bundle<W>>(texels: impl Fn() -> B + Copy) -> B {
     W::stage("memory", texels)
@@ -181,7 +181,7 @@ impl Pass for Bumps<'_> {
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> FilteredBump<W> {
         let BumpMap { texels, scale } = self.map;
         let (is_rough, scale) = (self.kind != RoughnessKind::None, &group.all(scale));
-        let Mean { channels, taps } = viewed(
+        let Mean { channels, samples } = viewed(
             group,
             self.places,
             texels.map(),
@@ -189,27 +189,27 @@ impl Pass for Bumps<'_> {
             #[inline(always)]
             |view| if is_rough { rough_moments(view, texels, scale, p) } else { offsets(view, texels, scale, p) },
         );
-        FilteredBump { bump: texel::bump(&BumpMoments::<W>::of_words(channels), scale, self.kind, p), taps }
+        FilteredBump { bump: texel::bump(&BumpMoments::<W>::of_words(channels), scale, self.kind, p), samples }
     }
 }
 
 /// Offsets alone.
 #[inline(always)]
 fn offsets<W: BatchWord>(view: &View<'_, W>, texels: &BumpTexels, scale: &BumpScale<W>, p: &Precision) -> Mean<W, 5> {
-    let Mean { channels: [b1, b2], taps } = wrapped::mean(
+    let Mean { channels: [b1, b2], samples } = wrapped::mean(
         view,
         #[inline(always)]
-        |tap: &Tap<W>, _| {
+        |neighbours: &Neighbours<W>, _| {
             fetched(
                 #[inline(always)]
-                || texels.quad(tap, scale),
+                || texels.quad(neighbours, scale),
             )
         },
         texel::word_samples::<W, _>,
         same::<W, 2>,
         p,
     );
-    Mean { channels: [b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], taps }
+    Mean { channels: [b1, b2, Fx::zero(), Fx::zero(), Fx::zero()], samples }
 }
 
 /// Offsets with their second moments.
@@ -227,10 +227,10 @@ fn rough_moments<W: BatchWord>(
     wrapped::mean(
         view,
         #[inline(always)]
-        |tap: &Tap<W>, _| {
+        |neighbours: &Neighbours<W>, _| {
             fetched(
                 #[inline(always)]
-                || texels.quad(tap, scale),
+                || texels.quad(neighbours, scale),
             )
         },
         #[inline(always)]

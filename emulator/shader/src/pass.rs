@@ -109,9 +109,9 @@ pub struct Group<W: BatchWord> {
 }
 
 impl<W: BatchWord> Group<W> {
-    /// Bundles of the group's fragments.
+    /// Loads the bundles of the group's fragments.
     #[inline(always)]
-    pub(crate) fn of<B: Form>(&self, batch: &Batch<B>) -> In<B, W> {
+    pub(crate) fn load<B: Form>(&self, batch: &Batch<B>) -> In<B, W> {
         let walk = Walk::new::<W, B>(batch, self.first);
         batch.form().rewire::<W, _>(&mut Load::<W> { vectors: W::vectors(batch.words()), walk, proof: self.proof })
     }

@@ -9,7 +9,7 @@ use roughxel_core::fx::{Control, Fx, Int};
 use roughxel_core::ports::{Horizon, LIGHT, SHARE};
 use roughxel_core::precision::Precision;
 use roughxel_core::signals::LocalDirection;
-use roughxel_core::wrapped::{self, Tap, View};
+use roughxel_core::wrapped::{self, Neighbours, View};
 use roughxel_simd::BatchWord;
 
 use crate::batch::Batch;
@@ -48,7 +48,7 @@ impl Pass for PeakPatches<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> PatchesRead<W> {
-        let Value(number) = group.of(self.numbers);
+        let Value(number) = group.load(self.numbers);
         viewed(
             group,
             self.places,
@@ -106,7 +106,7 @@ impl Pass for PeakMeans<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> ShadedColour<W> {
-        let Value(number) = group.of(self.numbers);
+        let Value(number) = group.load(self.numbers);
         let returned = viewed(
             group,
             self.places,
@@ -138,8 +138,8 @@ fn patches_of<W: Fetch>(view: &View<'_, W>, number: Int<W>, patches: &Patches<'_
         p,
         #[inline(always)]
         |read| {
-            let keep = |tap: &Tap<W>, level| {
-                for (texel, row) in tap.texels.into_iter().zip(patches.rows(slot(read.turn, level))) {
+            let keep = |neighbours: &Neighbours<W>, level| {
+                for (texel, row) in neighbours.texels.into_iter().zip(patches.rows(slot(read.turn, level))) {
                     W::scatter(texel, number, row);
                 }
             };
@@ -166,7 +166,7 @@ fn mean_of<W: Fetch>(
     let mean = wrapped::mean(
         view,
         #[inline(always)]
-        |tap: &Tap<W>, [turn, level]| {
+        |neighbours: &Neighbours<W>, [turn, level]| {
             let texels = W::per_lane(
                 each!(row in patches.rows(slot(turn, level)) => W::gather(number, row).raw()),
                 #[inline(always)]
@@ -175,7 +175,7 @@ fn mean_of<W: Fetch>(
                     each!(place in places => sums.get(place as u32 as usize).copied().unwrap_or(0))
                 },
             );
-            Quad { texels: each!(texel in texels => [Fx::from_raw(texel)]), weight: tap.weight }
+            Quad { texels: each!(texel in texels => [Fx::from_raw(texel)]), weight: neighbours.weight }
         },
         texel::word_samples::<W, 1>,
         #[inline(always)]

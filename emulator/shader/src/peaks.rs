@@ -112,7 +112,7 @@ impl<'a> Patches<'a> {
         4 * PATCHES * fragments
     }
 
-    pub(crate) fn of(words: &'a mut [i32]) -> Self {
+    pub(crate) fn from_words(words: &'a mut [i32]) -> Self {
         let fragments = words.len() / Self::words(1);
         Self { cells: Cell::from_mut(words).as_slice_of_cells(), fragments }
     }

@@ -72,17 +72,17 @@ impl PeaksRead {
             self.numbers = (0..room as i32).map(|number| Value(Fx::from_raw(number))).collect();
             self.patches.resize(Patches::words(room), 0);
         }
-        let patches = Patches::of(&mut self.patches);
+        let patches = Patches::from_words(&mut self.patches);
         let pass = PeakPatches { places, map: &map.map, numbers: &self.numbers, patches: &patches };
         shader.run(&pass, &mut self.read);
         let (turns, levels) = (self.read.row_of(|read| read.turns), self.read.row_of(|read| read.levels));
-        let taps = turns.iter().zip(levels).map(|(&turns, &levels)| (turns * levels) as u64).sum();
+        let samples = turns.iter().zip(levels).map(|(&turns, &levels)| (turns * levels) as u64).sum();
         // Compiled for the instruction set: runs of indices are vectors.
         shader.backend.run(
             #[inline(always)]
             || self.pair(map),
         );
-        taps
+        samples
     }
 
     /// Names the peaks of all texels that are read; patches then hold the places of their sums.
@@ -90,7 +90,7 @@ impl PeaksRead {
     fn pair(&mut self, map: &PeakTexels) {
         let Self { read, patches, pairs, ends, sums, .. } = self;
         let (turns, levels) = (read.row_of(|read| read.turns), read.row_of(|read| read.levels));
-        let (begins, patches) = (&map.begins[..], Patches::of(patches));
+        let (begins, patches) = (&map.begins[..], Patches::from_words(patches));
         let (mut peaks, mut texels) = (0, 0);
         for (fragment, (&turns, &levels)) in turns.iter().zip(levels).enumerate() {
             let first = peaks;
@@ -140,7 +140,7 @@ impl PeaksRead {
             *sum = lights.iter().fold(none, |sum, &light| datapath::peak_sum(&sum, Fx::from_raw(light))).light.raw();
             begin = end as usize;
         }
-        let patches = Patches::of(patches);
+        let patches = Patches::from_words(patches);
         let map = &map.map;
         shader.run(&PeakMeans { places, map, numbers, patches: &patches, sums, colour }, shown);
     }

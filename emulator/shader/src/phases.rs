@@ -40,7 +40,7 @@ pub struct PhaseTimes([Duration; Phase::ALL.len()]);
 
 impl PhaseTimes {
     /// Time of one phase.
-    pub fn of(&self, phase: Phase) -> Duration {
+    pub fn time(&self, phase: Phase) -> Duration {
         self.0[phase as usize]
     }
 

@@ -18,7 +18,7 @@ use crate::material::{Channel, Formula, Light, Material, Shine};
 use crate::pass::{Environment, Shader};
 use crate::peaks_read::{LightOnPeaks, PeaksRead};
 use crate::phases::Phase;
-use crate::signals::{Derivatives, FilteredBump, Footprint, ShadedColour, Slopes, SurfaceAttributes, ports};
+use crate::signals::{Derivatives, FaceFootprint, FilteredBump, ShadedColour, Slopes, SurfaceAttributes, ports};
 use crate::sums::Sums;
 use crate::surface::{Cores, Footprints, Points, Reflected, Surfaces, Sweeps};
 
@@ -46,8 +46,8 @@ struct LitWork {
 #[derive(Debug, Default)]
 struct SeenWork {
     points: Batch<CubePoint<i32>>,
-    footprints: Batch<Footprint<i32>>,
-    ordered_footprints: Ordered<Footprint<i32>>,
+    footprints: Batch<FaceFootprint<i32>>,
+    ordered_footprints: Ordered<FaceFootprint<i32>>,
     sweeps: Batch<Sweep<i32>>,
     ordered_sweeps: Ordered<Sweep<i32>>,
     shown: Batch<ShadedColour<i32>>,
@@ -105,12 +105,12 @@ impl Shader<'_> {
 
         // maps: filter, [memory], filter, pixel (colour, modulated)
         self.colours(material, fragments, &mut work.colours);
-        sums.taps += work.colours.taps();
+        sums.samples += work.colours.samples();
 
         if fragments.has_surface {
             // maps: filter, [memory], moments, filter, pixel (bump)
             self.bumps(material, fragments, &mut work.bumps);
-            sums.taps += work.bumps.taps();
+            sums.samples += work.bumps.samples();
             sums.clock.enter(Phase::Footprints);
 
             // surface: enter, frame, perturb, roughness
@@ -134,7 +134,7 @@ impl Shader<'_> {
     fn colours(self, material: &Material, fragments: &Fragments, colours: &mut Batch<ShadedColour<i32>>) {
         let own = &material.colour;
         match &material.colour_map {
-            None => colours.fill(fragments.len(), &ShadedColour { channels: *own, taps: Fx::zero() }),
+            None => colours.fill(fragments.len(), &ShadedColour { channels: *own, samples: Fx::zero() }),
             Some(map) => Colours { places: fragments.places_in(&map.texels.map), map, own }.run(self, colours),
         }
     }
@@ -143,7 +143,7 @@ impl Shader<'_> {
     fn bumps(self, material: &Material, fragments: &Fragments, bumps: &mut Batch<FilteredBump<i32>>) {
         let flat = Bump { offset: [Fx::zero(); 2], roughness: [Fx::zero(); 3] };
         match &material.bump_map {
-            None => bumps.fill(fragments.len(), &FilteredBump { bump: flat, taps: Fx::zero() }),
+            None => bumps.fill(fragments.len(), &FilteredBump { bump: flat, samples: Fx::zero() }),
             Some(map) => {
                 let (places, kind) = (fragments.places_in(map.texels.map()), material.plan.roughness());
                 Bumps { places, map, kind }.run(self, bumps);
@@ -158,7 +158,7 @@ impl Shader<'_> {
         let Work { bumps, surfaces, lit, .. } = work;
         let LitWork { directions: same, halves, slopes, peaks, shown } = lit;
         if let Shine::Map(map) = &lighting.shine {
-            sums.taps += peaks.read(map, fragments.places_in(&map.map), self);
+            sums.samples += peaks.read(map, fragments.places_in(&map.map), self);
         }
         let mut own = fragments.directions.iter();
         for Light { direction, colour } in &lighting.lights {
@@ -239,7 +239,7 @@ impl Shader<'_> {
                     EnvironmentColours { looks: sweeps, reflector }.run(self, ordered_sweeps, shown);
                 }
             }
-            sums.taps += shown.taps();
+            sums.samples += shown.samples();
         };
         look(surfaces, shown, sums);
         if !plan.two_lobes {
@@ -277,7 +277,7 @@ fn by_formula(
     let inputs = bare.iter().zip(bumps.iter()).map(|(bare, bumped)| ports(&bare, &bumped.bump));
     let lit = surfaces.iter().zip(directions.iter());
     lit.zip(inputs).map(|((surface, light), input)| {
-        let share = formula(&surface, &input, &BlockVector::of(&light));
-        ShadedColour { channels: colour.map(|channel| pixel::modulated::<i32>(share, channel)), taps: Fx::zero() }
+        let share = formula(&surface, &input, &BlockVector::from_wires(&light));
+        ShadedColour { channels: colour.map(|channel| pixel::modulated::<i32>(share, channel)), samples: Fx::zero() }
     })
 }

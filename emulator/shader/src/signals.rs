@@ -35,7 +35,7 @@ bundle! {
         bump: Bump<W>,
         /// Number of bilinear samples.
         #[range(0..=32)]
-        taps: Int<W>,
+        samples: Int<W>,
     }
 
     /// A colour, and the number of samples read for it.
@@ -45,11 +45,11 @@ bundle! {
         channels: [Control<W, LIGHT>; 3],
         /// Number of bilinear samples, at most those of two lobes.
         #[range(0..=64)]
-        taps: Int<W>,
+        samples: Int<W>,
     }
 
     /// Point and probes of a reflection: the input of a fetch.
-    pub struct Footprint<W> {
+    pub struct FaceFootprint<W> {
         /// Face, s, t.
         point: CubePoint<W>,
         /// N, step, level of detail.
@@ -65,10 +65,10 @@ bundle! {
     }
 }
 
-impl<W: Word> Footprint<W> {
+impl<W: Word> FaceFootprint<W> {
     /// Takes the footprint out of a reflection.
     #[inline(always)]
-    pub fn of(stages: &Reflection<W>) -> Self {
+    pub fn from_reflection(stages: &Reflection<W>) -> Self {
         Self { point: stages.point, probes: stages.probes }
     }
 }
@@ -87,8 +87,8 @@ impl Batch<FilteredBump<i32>> {
     }
 
     /// Number of bilinear samples of all fragments.
-    pub fn taps(&self) -> u64 {
-        sum(self.row_of(|bumped| bumped.taps))
+    pub fn samples(&self) -> u64 {
+        sum(self.row_of(|bumped| bumped.samples))
     }
 }
 
@@ -100,13 +100,13 @@ impl Batch<ShadedColour<i32>> {
     }
 
     /// Number of bilinear samples of all fragments.
-    pub fn taps(&self) -> u64 {
-        sum(self.row_of(|shown| shown.taps))
+    pub fn samples(&self) -> u64 {
+        sum(self.row_of(|shown| shown.samples))
     }
 }
 
-fn sum(taps: &[i32]) -> u64 {
-    taps.iter().map(|taps| u64::from(taps.unsigned_abs())).sum()
+fn sum(samples: &[i32]) -> u64 {
+    samples.iter().map(|samples| u64::from(samples.unsigned_abs())).sum()
 }
 
 impl Batch<SurfaceAttributes<i32>> {
@@ -118,7 +118,7 @@ impl Batch<SurfaceAttributes<i32>> {
     }
 }
 
-impl Batch<Footprint<i32>> {
+impl Batch<FaceFootprint<i32>> {
     /// Probe count of each fragment.
     pub fn counts(&self) -> &[i32] {
         self.row_of(|footprint| footprint.probes.count)
@@ -156,7 +156,7 @@ impl Extend<ReflectionInput<i32>> for Ports {
         for ReflectionInput { surface, dview, dnormal, .. } in inputs {
             let SurfaceInput { normal, view, frame_vectors, offset, roughness } = surface;
             self.bare.push(&SurfaceAttributes { normal, view, frame_vectors });
-            self.bumps.push(&FilteredBump { bump: Bump { offset, roughness }, taps: Fx::zero() });
+            self.bumps.push(&FilteredBump { bump: Bump { offset, roughness }, samples: Fx::zero() });
             self.derivatives.push(&Derivatives { dview, dnormal });
         }
     }

@@ -14,7 +14,7 @@ pub struct Sums {
     /// The light of each pixel.
     pub pixels: Vec<[PixelSum<i32>; 3]>,
     /// Number of bilinear samples, of four texels each.
-    pub taps: u64,
+    pub samples: u64,
     /// Clock of the phases.
     pub clock: PhaseClock,
 }
@@ -22,7 +22,7 @@ pub struct Sums {
 impl Sums {
     /// Sums without light for `pixels` pixels.
     pub fn new(pixels: usize) -> Self {
-        Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], taps: 0, clock: PhaseClock::start() }
+        Self { pixels: vec![[PixelSum { sum: Fx::zero() }; 3]; pixels], samples: 0, clock: PhaseClock::start() }
     }
 
     /// Adds a colour to a pixel, as many times as it counts there.

@@ -9,7 +9,7 @@ use roughxel_simd::BatchWord;
 
 use crate::batch::Batch;
 use crate::pass::{Group, Pass, Shader, runs};
-use crate::signals::{Derivatives, FilteredBump, Footprint, Ports, SurfaceAttributes, ports};
+use crate::signals::{Derivatives, FaceFootprint, FilteredBump, Ports, SurfaceAttributes, ports};
 
 runs!(Surfaces Cores Points Footprints Sweeps);
 
@@ -49,7 +49,7 @@ impl Pass for Surfaces<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Surface<W> {
-        let input = ports(&group.of(self.bare), &group.of(self.bumps).bump);
+        let input = ports(&group.load(self.bare), &group.load(self.bumps).bump);
         match &self.framed {
             Some(framed) => datapath::surface_in_frame(&group.all(framed), &input, self.plan, p),
             None => datapath::surface(&input, self.plan, p),
@@ -68,7 +68,7 @@ impl Pass for Cores<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, _: &Precision) -> Surface<W> {
-        let surface = group.of(self.0);
+        let surface = group.load(self.0);
         Surface { rough: datapath::lobe_core(&surface.rough), ..surface }
     }
 }
@@ -84,7 +84,7 @@ impl Pass for Points<'_> {
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> CubePoint<W> {
-        datapath::mirrored(&group.of(self.0), p).1
+        datapath::mirrored(&group.load(self.0), p).1
     }
 }
 
@@ -106,15 +106,21 @@ pub struct Reflected<'a> {
 pub struct Footprints<'a>(pub Reflected<'a>);
 
 impl Pass for Footprints<'_> {
-    type Output = Footprint<i32>;
+    type Output = FaceFootprint<i32>;
     fn len(&self) -> usize {
         self.0.surfaces.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Footprint<W> {
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> FaceFootprint<W> {
         let Reflected { surfaces, derivatives, scale, plan } = self.0;
-        let (surface, d, scale) = (group.of(surfaces), group.of(derivatives), group.all(scale));
-        Footprint::of(&datapath::reflection_of(&surface, [&d.dview, &d.dnormal], &scale, &plan.on_face(), p))
+        let (surface, d, scale) = (group.load(surfaces), group.load(derivatives), group.all(scale));
+        FaceFootprint::from_reflection(&datapath::reflection_of(
+            &surface,
+            [&d.dview, &d.dnormal],
+            &scale,
+            &plan.on_face(),
+            p,
+        ))
     }
 }
 
@@ -125,7 +131,7 @@ impl Ports {
         shader: Shader<'_>,
         scale: &MapScale<i32>,
         plan: &ReflectionPlan,
-    ) -> Batch<Footprint<i32>> {
+    ) -> Batch<FaceFootprint<i32>> {
         let (mut surfaces, mut footprints) = (Batch::default(), Batch::default());
         Surfaces::new(shader, &self.bare, &self.bumps, &plan.surface()).run(shader, &mut surfaces);
         let (surfaces, derivatives) = (&surfaces, &self.derivatives);
@@ -146,7 +152,7 @@ impl Pass for Sweeps<'_> {
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Sweep<W> {
         let Reflected { surfaces, derivatives, scale, plan } = self.0;
-        let (surface, d, scale) = (group.of(surfaces), group.of(derivatives), group.all(scale));
+        let (surface, d, scale) = (group.load(surfaces), group.load(derivatives), group.all(scale));
         datapath::reflection_of(&surface, [&d.dview, &d.dnormal], &scale, &plan.on_sphere(), p).sweep
     }
 }

@@ -13,7 +13,7 @@ use roughxel_core::stage::moments;
 use roughxel_core::stage::seam::{CubeTexel, FaceTexel};
 use roughxel_core::stage::texture::TextureScale;
 use roughxel_core::word::{Wire, Word};
-use roughxel_core::wrapped::{Level, Tap};
+use roughxel_core::wrapped::{Level, Neighbours};
 
 /// Faces of a cube.
 const FACES: u32 = 6;
@@ -290,12 +290,15 @@ impl MapTexels<[u16; 3]> {
         size_of::<[u16; 3]>() as u64 * self.map.levels.iter().map(texels).sum::<u64>()
     }
 
-    /// Colours of a tap.
+    /// Colours of neighbouring texels.
     #[inline(always)]
-    pub(crate) fn quad<W: Fetch>(&self, tap: &Tap<W>) -> Quad<W, 3> {
-        let [left, _, lower, _] = tap.texels;
+    pub(crate) fn quad<W: Fetch>(&self, neighbours: &Neighbours<W>) -> Quad<W, 3> {
+        let [left, _, lower, _] = neighbours.texels;
         let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::load_pair(place, &self.words));
-        Quad { texels: each!(halves in [[a, b], [c, d], [e, f], [g, h]] => channels::<W>(halves)), weight: tap.weight }
+        Quad {
+            texels: each!(halves in [[a, b], [c, d], [e, f], [g, h]] => channels::<W>(halves)),
+            weight: neighbours.weight,
+        }
     }
 }
 
@@ -324,16 +327,16 @@ impl BumpTexels {
         }
     }
 
-    /// First channels of the bumps of a tap, in units of the map.
+    /// First channels of the bumps of neighbouring texels, in units of the map.
     #[inline(always)]
     pub(crate) fn quad<W: Fetch, const CHANNELS: usize>(
         &self,
-        tap: &Tap<W>,
+        neighbours: &Neighbours<W>,
         scale: &BumpScale<W>,
     ) -> Quad<W, CHANNELS> {
         match self {
-            Self::Smooth(texels) => texels.quad_of_offsets(tap),
-            Self::Rough(texels) => texels.quad_of_moments(tap, scale),
+            Self::Smooth(texels) => texels.quad_of_offsets(neighbours),
+            Self::Rough(texels) => texels.quad_of_moments(neighbours, scale),
         }
     }
 
@@ -348,15 +351,15 @@ impl BumpTexels {
 
 impl MapTexels<[i32; 2]> {
     #[inline(always)]
-    fn quad_of_offsets<W: Fetch, const CHANNELS: usize>(&self, tap: &Tap<W>) -> Quad<W, CHANNELS> {
-        let [left, _, lower, _] = tap.texels;
+    fn quad_of_offsets<W: Fetch, const CHANNELS: usize>(&self, neighbours: &Neighbours<W>) -> Quad<W, CHANNELS> {
+        let [left, _, lower, _] = neighbours.texels;
         let [[a, b, c, d], [e, f, g, h]] = each!(place in [left, lower] => W::load_pair(place, &self.words));
         let zero = Fx::zero();
         let texels = each!([b1, b2] in [[a, b], [c, d], [e, f], [g, h]] => {
             let channels = [b1, b2, zero, zero, zero];
             each!(channel in places() => channels[channel])
         });
-        Quad { texels, weight: tap.weight }
+        Quad { texels, weight: neighbours.weight }
     }
 }
 
@@ -364,10 +367,10 @@ impl MapTexels<RoughBump> {
     #[inline(always)]
     fn quad_of_moments<W: Fetch, const CHANNELS: usize>(
         &self,
-        tap: &Tap<W>,
+        neighbours: &Neighbours<W>,
         scale: &BumpScale<W>,
     ) -> Quad<W, CHANNELS> {
-        let [left, _, lower, _] = tap.texels;
+        let [left, _, lower, _] = neighbours.texels;
         let [left, lower] = each!(texel in [left, lower] => texel.shl(1));
         // `decode_offset` of a code that is already in the upper half of its word.
         let down = scale.offset_down + Fx::int(1);
@@ -379,6 +382,6 @@ impl MapTexels<RoughBump> {
             let channels = [b1, b2, k11, k12, k22];
             each!(channel in places() => channels[channel])
         });
-        Quad { texels, weight: tap.weight }
+        Quad { texels, weight: neighbours.weight }
     }
 }

@@ -59,7 +59,7 @@ macro_rules! carrier {
         impl<T: Target> $name<T> {
             /// Wire with these values, lane 0 first.
             #[inline]
-            pub fn of(lanes: [$lane; LANES]) -> Self {
+            pub fn from_array(lanes: [$lane; LANES]) -> Self {
                 let proof = T::detect();
                 Self(proof.$of(lanes), proof)
             }

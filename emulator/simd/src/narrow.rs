@@ -38,8 +38,8 @@ pub struct NarrowFlags<T: Target> {
 impl<T: Target> NarrowLanes<T> {
     /// Wire with these values, lane 0 first.
     #[inline]
-    pub fn of(lanes: [i16; NARROW_LANES]) -> Self {
-        Self::narrow(Halves::<Lanes<T>>::of(lanes.map(i32::from)))
+    pub fn from_array(lanes: [i16; NARROW_LANES]) -> Self {
+        Self::narrow(Halves::<Lanes<T>>::from_array(lanes.map(i32::from)))
     }
 
     /// Values, lane 0 first.
@@ -66,8 +66,8 @@ macro_rules! halves {
         impl<T: Target> Halves<$lanes<T>> {
             /// Wire with these values, lane 0 first.
             #[inline]
-            pub fn of(lanes: [$int; NARROW_LANES]) -> Self {
-                Self(each!(half in [0, 1] => $lanes::of(each!(i in places() => lanes[2 * i + half]))))
+            pub fn from_array(lanes: [$int; NARROW_LANES]) -> Self {
+                Self(each!(half in [0, 1] => $lanes::from_array(each!(i in places() => lanes[2 * i + half]))))
             }
 
             /// Values, lane 0 first.
@@ -85,8 +85,8 @@ halves!(WideLanes, i64);
 
 impl<T: Target> NarrowFlags<T> {
     /// Flag with these values, lane 0 first.
-    pub fn of(lanes: [bool; NARROW_LANES]) -> Self {
-        Self::of_halves([0, 1].map(|half| FlagLanes::of(core::array::from_fn(|i| lanes[2 * i + half]))))
+    pub fn from_array(lanes: [bool; NARROW_LANES]) -> Self {
+        Self::of_halves([0, 1].map(|half| FlagLanes::from_array(core::array::from_fn(|i| lanes[2 * i + half]))))
     }
 
     /// Values, lane 0 first.

@@ -14,7 +14,7 @@ use roughxel_core::setup::{real_number, real_offset, real_vector, scale_by_power
 use roughxel_core::status::StatusBit;
 use roughxel_f32_baseline::formulas::Formulas;
 use roughxel_f32_baseline::math::Math;
-use roughxel_f32_baseline::{Environment, Footprint, Fragment};
+use roughxel_f32_baseline::{Environment, FloatFootprint, Fragment};
 use roughxel_reference as reference;
 use roughxel_reference::linear::{axis_angle, norm};
 
@@ -170,7 +170,7 @@ pub struct Observed {
 
 impl Observed {
     /// Reads the ports.
-    fn of(fragment: &ReflectionIn, got: &ReflectionOut) -> Self {
+    fn from_ports(fragment: &ReflectionIn, got: &ReflectionOut) -> Self {
         let relative = |e: BlockVector| {
             real_vector(&BlockVector { exponent: e.exponent.saturating_sub(fragment.surface.normal.exponent), ..e })
         };
@@ -188,7 +188,7 @@ impl Observed {
     }
 
     /// Reads a footprint of f32.
-    fn of_float(got: &Footprint) -> Self {
+    fn of_float(got: &FloatFootprint) -> Self {
         let step = got.step.to_array().map(f64::from);
         let saturated = got.status & StatusBit::FootprintSaturated.mask() != 0;
         Self {
@@ -414,7 +414,12 @@ type Datapath<'a> = &'a (dyn Fn(&ReflectionIn, &ReflectionPlan) -> Option<Observ
 ///
 /// `progress` is called with the number of fragments done since the last call, from any thread.
 pub fn measure(p: &Precision, fragments: u64, progress: &(dyn Fn(u64) + Sync)) -> Accuracy {
-    measure_datapath(p, fragments, &|fragment, plan| Some(Observed::of(fragment, &fragment.reflect(plan, p))), progress)
+    measure_datapath(
+        p,
+        fragments,
+        &|fragment, plan| Some(Observed::from_ports(fragment, &fragment.reflect(plan, p))),
+        progress,
+    )
 }
 
 /// Same as [`measure`] for `f32`, on a library's mathematics and with careful or plain formulas. Fragments are quantised as in

@@ -122,7 +122,7 @@ impl<'a> FrameMeter<'a> {
     }
 
     fn seen(&self, p: &Precision) -> Result<Seen, RasterError> {
-        let knobs = Knob::ALL.map(|knob| knob.of(p));
+        let knobs = Knob::ALL.map(|knob| knob.value_in(p));
         if let Some(seen) = self.seen.borrow().get(&knobs) {
             return Ok(*seen);
         }
@@ -175,7 +175,7 @@ impl Meter for FrameMeter<'_> {
 fn full_adders((plan, is_bright): &(ObjectPlan, bool), p: &Precision) -> u64 {
     let datapath = |(datapath, effects): (_, Effects)| {
         let roughness = if effects.roughness == RoughnessKind::None { RoughnessKind::None } else { p.roughness };
-        (Design::of(datapath), Effects { roughness, ..effects })
+        (Design::for_datapath(datapath), Effects { roughness, ..effects })
     };
     let fetches = fetches(plan, *is_bright).into_iter().map(|design| (design, Effects::NONE));
     let designs = plan.datapaths().map(datapath).chain(fetches);

@@ -73,7 +73,7 @@ impl Judge {
 
     /// The frame of the footprint mode in float64, with the filter of a profile.
     pub fn filtered(&self, p: &Precision) -> Result<Arc<RealPicture>, StudyError> {
-        let key = FILTER_KNOBS.map(|knob| knob.of(p));
+        let key = FILTER_KNOBS.map(|knob| knob.value_in(p));
         // Two threads may draw the same picture, so neither waits for the other.
         let known = self.filtered.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
         if let Some(picture) = known {

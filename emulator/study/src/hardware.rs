@@ -56,7 +56,7 @@ pub struct HardwareFigures {
 
 impl HardwareFigures {
     /// Figures of a precision. `None` if a wire is not proven to fit its word, which no precision inside its limits has.
-    pub fn of(p: &Precision) -> Option<Self> {
+    pub fn estimate(p: &Precision) -> Option<Self> {
         let net = record::net(Design::Reflection, &Effects::ALL, p);
         let ranges = Ranges::new(&net);
         if !ranges.violations.is_empty() {

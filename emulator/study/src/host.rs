@@ -15,7 +15,7 @@ use roughxel_core::scalar_api::environment_scale;
 use roughxel_f32_baseline::batch::{FootprintBlock, FragmentBlock, reflect_batch};
 use roughxel_f32_baseline::formulas::Careful;
 use roughxel_f32_baseline::math::Std;
-use roughxel_f32_baseline::{Environment, Footprint, Fragment};
+use roughxel_f32_baseline::{Environment, FloatFootprint, Fragment};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_reference as reference;
@@ -145,13 +145,13 @@ const BATCH: usize = 256;
 const FRAGMENTS: usize = 2048;
 
 /// Fragments of a frame in which every stage has work to do.
-pub struct Bench {
+pub struct TimedFragments {
     ports: Vec<ReflectionIn>,
     wires: Vec<ReflectionInput<i32>>,
     edge_texels: u16,
 }
 
-impl Bench {
+impl TimedFragments {
     /// Takes the fragments of the scene `globe`, in the order of its rows.
     ///
     /// # Panics
@@ -212,7 +212,7 @@ impl Bench {
     pub fn float32(&self) -> Pass<'_> {
         let environment = Environment::new(self.edge_texels.into());
         let fragments: Vec<_> = self.ports.iter().map(Fragment::from).collect();
-        let mut footprints = vec![Footprint::default(); fragments.len()];
+        let mut footprints = vec![FloatFootprint::default(); fragments.len()];
         Box::new(move || {
             for (fragment, footprint) in fragments.iter().zip(&mut footprints) {
                 *footprint = environment.reflect::<Std, Careful>(fragment);
@@ -279,10 +279,10 @@ impl Machine {
 mod tests {
     use super::*;
 
-    /// Bench fragments have the plan that is asked for: footprints on a face, so that times depend on the profile.
+    /// TimedFragments fragments have the plan that is asked for: footprints on a face, so that times depend on the profile.
     #[test]
     fn there_are_fragments_to_measure() {
-        let bench = Bench::new().expect("the scene can be drawn");
-        assert!(bench.fragments() >= FRAGMENTS / 2);
+        let timed = TimedFragments::new().expect("the scene can be drawn");
+        assert!(timed.fragments() >= FRAGMENTS / 2);
     }
 }

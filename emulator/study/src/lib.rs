@@ -1,7 +1,7 @@
 //! # roughxel-study
 //!
 //! Studies of the datapath: [`accuracy`] against the float64 reference, [`stability`] near degeneracies, the cost of each effect
-//! of a scene ([`plan`]), and the cost of accuracy in time ([`sweep`]). The sweep compares [`frames`] with float64 and measures
+//! of a scene ([`plan`]), and the cost of accuracy in time ([`measurement`]). The measurement compares [`frames`] with float64 and measures
 //! the clocks of a [`host`], of [`hardware`], of a [`soft_core`] and of memory; [`report`] makes a page of it. [`choose`] selects
 //! a precision, which a [`profile_file`] stores.
 
@@ -16,7 +16,7 @@ pub mod profile_file;
 pub mod report;
 pub mod soft_core;
 pub mod stability;
-pub mod sweep;
+pub mod measurement;
 
 mod distribution;
 mod error;

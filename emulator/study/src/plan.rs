@@ -71,8 +71,8 @@ pub struct Hardware {
 
 impl Hardware {
     /// Hardware of a datapath with some effects, without the formats of its ports.
-    fn of(datapath: Datapath, effects: &Effects, p: &Precision) -> Self {
-        let (net, census) = census(Design::of(datapath), effects, p);
+    fn for_datapath(datapath: Datapath, effects: &Effects, p: &Precision) -> Self {
+        let (net, census) = census(Design::for_datapath(datapath), effects, p);
         let mut sum = Self::default();
         let runs = net.runs.iter().zip(&census.runs);
         for (run, cost) in runs.filter(|(run, _)| !["map_scale", "leave"].contains(&run.base())) {
@@ -170,7 +170,7 @@ pub struct ObjectReport {
 
 /// Hardware of an object's fragment and of each of its lights. Stages that its datapaths share, those of the surface, count once.
 fn datapath(plan: &ObjectPlan, p: &Precision) -> Hardware {
-    let each = plan.datapaths().map(|(datapath, effects)| Hardware::of(datapath, &effects, p));
+    let each = plan.datapaths().map(|(datapath, effects)| Hardware::for_datapath(datapath, &effects, p));
     each.fold(Hardware::default(), Hardware::joined)
 }
 
@@ -314,7 +314,7 @@ mod tests {
     #[test]
     fn every_operation_of_a_datapath_is_in_a_block() {
         for datapath in Datapath::ALL {
-            let (net, census) = census(Design::of(datapath), &Effects::ALL, &Precision::STANDARD);
+            let (net, census) = census(Design::for_datapath(datapath), &Effects::ALL, &Precision::STANDARD);
             let runs = net.runs.iter().zip(&census.runs).map(|(_, cost)| counts(cost));
             let sum = runs.fold([0; 4], |sum, part| [0, 1, 2, 3].map(|i| sum[i] + part[i]));
             let [all, of_wires, carries, _] = counts(&census.total);

@@ -140,7 +140,7 @@ pub fn profile_text(profile: &NamedPrecision, comments: &[String]) -> String {
     };
     line("name", format!("{:?}", profile.name), "in names of files");
     for knob in Knob::ALL {
-        let value = knob.of(&profile.precision);
+        let value = knob.value_in(&profile.precision);
         let setting = knob.text(value).to_string();
         let (key, is_number) = match knob {
             Knob::Direction if value > 0 => (TABLE, true),

@@ -13,8 +13,8 @@ use roughxel_html_report::html::{Page, Text};
 use roughxel_utilities::output::OutputFile;
 
 use crate::StudyError;
+use crate::measurement::Study;
 use crate::stability;
-use crate::sweep::Study;
 
 pub use tables::{markdown, profiles};
 pub use verdict::{BUYS_SOMETHING_DB, KnobGain, knob_gains};

@@ -56,7 +56,7 @@ struct Point<T> {
 impl<T> Point<T> {
     /// Returns true if these knobs are as in a precision.
     fn agrees(&self, p: &Precision, mut knobs: impl Iterator<Item = Knob>) -> bool {
-        knobs.all(|knob| self.knobs.get(knob.name()) == Some(&knob.of(p)))
+        knobs.all(|knob| self.knobs.get(knob.name()) == Some(&knob.value_in(p)))
     }
 }
 

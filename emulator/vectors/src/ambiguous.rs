@@ -58,7 +58,7 @@ impl Ambiguous {
 pub fn ambiguous(manifest_path: &Path, places: u32, progress: &dyn Fn(u64)) -> Result<Ambiguous, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout(manifest_path)?;
-    let outcomes = Outcomes::of(&manifest, &layout);
+    let outcomes = Outcomes::new(&manifest, &layout);
     let bounds = Bounds::new(&outcomes, places);
     let mut marked = Vec::new();
     let mut lines = Lines::open(manifest_path, &manifest)?;

@@ -2,7 +2,7 @@
 
 use std::ffi::CStr;
 
-use roughxel_c::{EFFECTS, ERROR_BITS, ERRORS, VERSION};
+use roughxel_c::{EFFECTS, ERROR_BITS, ERRORS, EffectBit, VERSION};
 use roughxel_core::knob::Knob;
 use roughxel_core::plan::Datapath;
 use roughxel_netlist::verilog::filled;
@@ -12,7 +12,7 @@ use super::format::{Declared, declared, number_format};
 
 /// `roughxel.h` and `roughxel_dpi.sv`.
 pub fn c_library_files() -> [(&'static str, String); 2] {
-    let structures: Vec<Structure> = Datapath::ALL.into_iter().flat_map(Structure::of).collect();
+    let structures: Vec<Structure> = Datapath::ALL.into_iter().flat_map(Structure::inputs_and_outputs).collect();
     [("roughxel.h", header(&structures)), ("roughxel_dpi.sv", package(&structures))]
 }
 
@@ -24,7 +24,7 @@ struct Structure {
 }
 
 impl Structure {
-    fn of(datapath: Datapath) -> [Self; 2] {
+    fn inputs_and_outputs(datapath: Datapath) -> [Self; 2] {
         let (inputs, outputs) =
             declared(datapath).partition(|declared| declared.column.field.direction == Direction::In);
         [(true, inputs), (false, outputs)].map(|(is_input, members)| Self { datapath, is_input, members })
@@ -109,7 +109,7 @@ fn header(structures: &[Structure]) -> String {
     let error = |(number, (name, meaning)): (usize, &(&str, &CStr))| {
         format!("#define ROUGHXEL_{name} {number} /* {} */", meaning.to_string_lossy())
     };
-    let effect = |(name, bit, meaning)| format!("#define ROUGHXEL_{name} {bit}u /* {meaning} */");
+    let effect = |EffectBit { name, bit, description }| format!("#define ROUGHXEL_{name} {bit}u /* {description} */");
     let knob = |(name, range)| format!("  int32_t {name}; /* {range} */");
     let values = [
         ("VERSION", VERSION.to_string()),
@@ -151,7 +151,8 @@ fn package(structures: &[Structure]) -> String {
     let error = |(number, (name, meaning)): (usize, &(&str, &CStr))| {
         format!("  localparam int {name} = {number};  // {}", meaning.to_string_lossy())
     };
-    let effect = |(name, bit, meaning)| format!("  localparam int unsigned {name} = {bit};  // {meaning}");
+    let effect =
+        |EffectBit { name, bit, description }| format!("  localparam int unsigned {name} = {bit};  // {description}");
     let knobs = sv_places("profile", "knob", &Knob::ALL.map(knob_member));
     let places = |structure: &Structure| {
         let member = |member: &Declared| (member.column.field.name.clone(), note(member));

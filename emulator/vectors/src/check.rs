@@ -109,7 +109,7 @@ pub struct Failing {
 pub fn check(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64)) -> Result<CheckResult, VectorError> {
     let manifest = Manifest::read(manifest_path)?;
     let layout = manifest.layout(manifest_path)?;
-    let outcomes = Outcomes::of(&manifest, &layout);
+    let outcomes = Outcomes::new(&manifest, &layout);
     let freedom = match tier {
         Tier::Exact => Freedom::None,
         Tier::Faithful => {
@@ -132,7 +132,7 @@ pub fn check(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
     let count = |found: &str| VectorError::Manifest {
         path: got.into(),
         problem: format!(
-            "{found} words than the set, which has {}; a bench writes one word for each vector, in the order of the set",
+            "{found} words than the set, which has {}; a testbench writes one word for each vector, in the order of the set",
             manifest.count
         ),
     };
@@ -178,7 +178,7 @@ pub fn check(got: &Path, manifest_path: &Path, tier: Tier, progress: &dyn Fn(u64
 
 /// Words that are each right but not those of the manifest.
 pub(super) fn not_its_words(manifest_path: &Path) -> VectorError {
-    let problem = "the words beside it are not those that it was written for, so nothing can be checked against them; see `roughxel vectors verify`, or \
+    let problem = "the words next to it are not those that it was written for, so nothing can be checked against them; see `roughxel vectors verify`, or \
                    export the set again";
     VectorError::Manifest { path: manifest_path.into(), problem: problem.into() }
 }

@@ -176,7 +176,7 @@ impl Wire<'_> {
         let text = self.declared().map_or("", |field| field.text.trim());
         match fields(self.path).last() {
             Some(field) if field.name == "status" => {
-                let bits = StatusBit::of(datapath).map(|bit| format!("{} {}", bit.mask(), bit.name()));
+                let bits = StatusBit::raised_by(datapath).map(|bit| format!("{} {}", bit.mask(), bit.name()));
                 format!("{text}: {}", bits.collect::<Vec<_>>().join(", "))
             }
             _ => text.to_owned(),

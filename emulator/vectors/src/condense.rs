@@ -36,7 +36,7 @@ impl Mistake {
     /// Every kind.
     pub const ALL: [Self; 3] = [Self::Operation, Self::Entry, Self::Stuck];
 
-    fn of(fault: &Fault) -> Self {
+    fn from_fault(fault: &Fault) -> Self {
         match fault {
             Fault::OperatorFault { .. } => Self::Operation,
             Fault::Entry { .. } => Self::Entry,
@@ -114,7 +114,7 @@ pub fn condense(
         return Err(VectorError::Manifest { path: first.into(), problem });
     }
     let layout = of.layout(first)?;
-    let outcomes = Outcomes::of(&of, &layout);
+    let outcomes = Outcomes::new(&of, &layout);
     let ranges = Ranges::new(&outcomes.net);
     let faults = Faults::new(&outcomes.net, &ranges, outcomes.shown());
     let bins = Bins::new(&outcomes.net, &ranges, &faults.tables);
@@ -125,9 +125,9 @@ pub fn condense(
     };
     let still = Still { faults: &faults, bins: mistakes.contains(&Mistake::Operation).then_some(&bins) };
     let (has_to, stuck): (Vec<Fault>, Vec<Fault>) = (faults.faults.iter())
-        .filter(|fault| mistakes.contains(&Mistake::of(fault)))
-        .partition(|fault| Mistake::of(fault) != Mistake::Stuck);
-    let (mut has_to, mut stuck) = (still.of(&has_to), still.of(&stuck).without_bins());
+        .filter(|fault| mistakes.contains(&Mistake::from_fault(fault)))
+        .partition(|fault| Mistake::from_fault(fault) != Mistake::Stuck);
+    let (mut has_to, mut stuck) = (still.looking_for(&has_to), still.looking_for(&stuck).without_bins());
     let mut done = 0;
     let (sets, beside) = sets.split_at(1 + others.len());
     for (path, manifest) in beside {
@@ -173,7 +173,7 @@ pub fn condense(
     let mut chosen: Vec<usize> =
         cover(&shown.collect::<Vec<_>>(), &is_operation, most).into_iter().map(|place| needed[place]).collect();
 
-    let mut looking = still.of(&stuck).without_bins();
+    let mut looking = still.looking_for(&stuck).without_bins();
     for &place in &chosen {
         looking.show(&[wires(&candidates[place].bits)]);
     }
@@ -185,7 +185,10 @@ pub fn condense(
     rest.sort_by_key(|&(shown, place)| (Reverse(shown), place));
     chosen.extend(rest.into_iter().map(|(_, place)| place));
     chosen.truncate(most);
-    let inputs = chosen.iter().map(|&place| Inputs::of(of.datapath, &layout.decode(&candidates[place].bits))).collect();
+    let inputs = chosen
+        .iter()
+        .map(|&place| Inputs::from_integers(of.datapath, &layout.decode(&candidates[place].bits)))
+        .collect();
     let picked = chosen.iter().map(|&place| candidates[place].picked.clone()).collect();
     Ok(Condensed { of, picked, inputs })
 }
@@ -200,7 +203,7 @@ struct Still<'a> {
 
 impl<'a> Still<'a> {
     /// Starts the search for some faults, and for bins.
-    fn of(self, faults: &[Fault]) -> Looking<'a> {
+    fn looking_for(self, faults: &[Fault]) -> Looking<'a> {
         let hunt = Hunt::new(self.faults, faults.iter().copied());
         let met = vec![false; self.bins.map_or(0, |bins| bins.bins.len())];
         Looking { of: self.faults, all: faults.to_vec(), hunt, bins: self.bins, met }

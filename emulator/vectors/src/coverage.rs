@@ -220,7 +220,7 @@ fn cover_parts(
 ) -> Result<(), VectorError> {
     let (path, of) = &parts[0][0];
     let layout = of.layout(path)?;
-    let outcomes = Outcomes::of(of, &layout);
+    let outcomes = Outcomes::new(of, &layout);
     let ranges = Ranges::new(&outcomes.net);
     let faults = Faults::new(&outcomes.net, &ranges, outcomes.shown());
     let bins = Bins::new(&outcomes.net, &ranges, &faults.tables);

@@ -28,7 +28,7 @@ pub enum Inputs {
 
 impl Inputs {
     /// The ports with these integers on their wires.
-    pub(super) fn of(datapath: Datapath, integers: &[i64]) -> Self {
+    pub(super) fn from_integers(datapath: Datapath, integers: &[i64]) -> Self {
         match datapath {
             Datapath::Reflection => Self::Reflection(wires(integers)),
             Datapath::Highlight => Self::Highlight(wires(integers)),

@@ -151,11 +151,11 @@ impl Vector {
         if !indices.contains(&index) {
             return Err(VectorError::Index { path: manifest_path.into(), index, indices });
         }
-        let vector = Self::of(manifest_path, manifest.clone(), layout.clone(), index);
+        let vector = Self::read_at(manifest_path, manifest.clone(), layout.clone(), index);
         vector.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))
     }
 
-    fn of(manifest_path: &Path, manifest: Manifest, layout: Layout, index: u64) -> Result<Self, VectorError> {
+    fn read_at(manifest_path: &Path, manifest: Manifest, layout: Layout, index: u64) -> Result<Self, VectorError> {
         let mut lines = Lines::open(manifest_path, &manifest)?;
         let checker = Checker { layout: &layout, manifest: &manifest };
         let mut wanted = None;
@@ -312,7 +312,7 @@ impl Vector {
             line: self.line,
             fields: explained,
             stage: self.manifest.stage.as_ref().map(|stage| stage.module.clone()),
-            status: StatusBit::of(*datapath)
+            status: StatusBit::raised_by(*datapath)
                 .filter(|bit| status & i64::from(bit.mask()) != 0)
                 .map(StatusBit::name)
                 .collect(),
@@ -327,15 +327,15 @@ impl Vector {
         let (inputs, p) = (self.layout.decode(&self.expected), &profile.knobs);
         match datapath {
             Datapath::Reflection => {
-                let fragment = ReflectionIn::of(&wires::<ReflectionInput<i32>>(&inputs));
+                let fragment = ReflectionIn::from_wires(&wires::<ReflectionInput<i32>>(&inputs));
                 float64::of_reflection(&fragment, effects, p, taken)
             }
             Datapath::Highlight => {
-                let light = HighlightIn::of(&wires::<HighlightInput<i32>>(&inputs));
+                let light = HighlightIn::from_wires(&wires::<HighlightInput<i32>>(&inputs));
                 float64::of_highlight(&light, effects, p, taken)
             }
             Datapath::Peak => {
-                let light = PeakIn::of(&wires::<PeakInput<i32>>(&inputs));
+                let light = PeakIn::from_wires(&wires::<PeakInput<i32>>(&inputs));
                 float64::of_peak(&light, effects, p, taken)
             }
         }

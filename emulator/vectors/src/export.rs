@@ -121,7 +121,7 @@ impl<'a> SetExport<'a> {
     /// A whole set of `count` vectors.
     pub fn new(info: &'a SetInfo<'a>, count: u64) -> Self {
         let &SetInfo { name, description, datapath, effects, precision, words, .. } = info;
-        let layout = Layout::new(datapath, &effects.of(datapath), &precision, words.taps);
+        let layout = Layout::new(datapath, &effects.restricted_to(datapath), &precision, words.taps);
         let (name, description) = (name.into(), description.into());
         Self { info, name, description, count, part: None, layout, stage: None }
     }
@@ -149,7 +149,7 @@ impl<'a> SetExport<'a> {
 
     /// The part of a shard; `None` if the set has fewer vectors than there are shards, and this shard gets none.
     pub fn of_shard(self, shard: Shard) -> Option<Self> {
-        Part::of(self.count, shard).map(|part| Self { part: Some(part), ..self })
+        Part::from_shard(self.count, shard).map(|part| Self { part: Some(part), ..self })
     }
 
     /// The vectors, by their indices in the whole set.
@@ -260,7 +260,7 @@ impl<'a> SetExport<'a> {
             profile: ProfileKnobs { name: info.profile.into(), knobs: info.precision },
             datapath: info.datapath,
             stage: self.stage.map(StageSet::entry),
-            effects: info.effects.of(info.datapath),
+            effects: info.effects.restricted_to(info.datapath),
             seed: info.seed.map(|name| Seed { name: name.into(), rule: SEED_RULE.into() }),
             taps: info.words.taps,
             count: indices.end - indices.start,

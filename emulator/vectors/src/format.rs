@@ -66,7 +66,11 @@ pub(super) fn declared(datapath: Datapath) -> impl Iterator<Item = Declared> {
     // The frame system and the kind of footprint are the choices that swap columns; all other effects only add some.
     let columns_of = |effects: Effects| {
         // Formats are printed as symbols, the same under every profile.
-        columns(&record::net(Design::of(datapath), &effects, &Precision::STANDARD), datapath, &Precision::STANDARD)
+        columns(
+            &record::net(Design::for_datapath(datapath), &effects, &Precision::STANDARD),
+            datapath,
+            &Precision::STANDARD,
+        )
     };
     let frames = [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised];
     let [main, natural, normalised] = frames.map(|frame| columns_of(Effects { frame, ..Effects::ALL }));

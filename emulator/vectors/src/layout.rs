@@ -40,7 +40,7 @@ pub struct Layout {
 impl Layout {
     /// The fields of a datapath under its effects and `p`, with fields between stages or without.
     pub fn new(datapath: Datapath, effects: &Effects, p: &Precision, with_taps: bool) -> Self {
-        let net = record::net(Design::of(datapath), effects, p);
+        let net = record::net(Design::for_datapath(datapath), effects, p);
         let is_shown = |column: &Column| column.exists && (with_taps || column.field.direction != Direction::Tap);
         let columns: Vec<Column> = columns(&net, datapath, p).into_iter().filter(is_shown).collect();
         let limits = columns.iter().map(|column| column.limits).collect();

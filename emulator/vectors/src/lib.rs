@@ -3,11 +3,11 @@
 //! Golden vectors: packed words and a JSON manifest with every stage's values. `vectors/FORMAT.md` is the specification.
 //!
 //! [`export`](export()) writes a set, [`verify`](verify()) recomputes every value from the inputs in the file and names set, index, stage,
-//! field and bit of a difference, [`Vector`] explains one word next to the float64 reference, [`Bench`] compares a device with a
+//! field and bit of a difference, [`Vector`] explains one word next to the float64 reference, [`Testbench`] compares a device with a
 //! set in a simulator. A word ends in a check value that locates a single flipped bit in any field, including inputs, for which
 //! recomputation alone would show only the consequences.
 
-mod bench;
+mod testbench;
 mod bound;
 mod c_library;
 mod columns;
@@ -44,7 +44,6 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 pub use ambiguous::{Ambiguous, AmbiguousVector, ambiguous};
-pub use bench::{BENCH_README, Bench, BenchError, Device};
 pub use c_library::c_library_files;
 pub use check::{CheckResult, Failing, Tier, check};
 pub use condense::{Condensed, Mistake, Picked, Wanted, condense};
@@ -61,9 +60,10 @@ pub use merge::{MergeError, Parts, parts_of};
 pub use order::Misplaced;
 pub use part::{Part, Shard};
 pub use rom::rom_files;
-pub use sets::{RANDOM_SETS, RandomSet, VectorSet, entries_set, hard_sets, random_set};
+pub use sets::{RANDOM_SETS, RandomSet, RandomSetSummary, VectorSet, entries_set, hard_sets, random_set};
 pub use shrink::{ShrinkError, ShrinkOptions, Shrunk, shrink};
 pub use stage::StageSet;
+pub use testbench::{Device, TESTBENCH_README, Testbench, TestbenchError};
 pub use vcd::vcd;
 pub use verify::{Cause, Mismatch, Verification, manifests_in, manifests_of, verify};
 
@@ -84,7 +84,7 @@ pub enum VectorError {
         source: io::Error,
     },
     /// A directory without a single set.
-    #[error("{}: no vector set here (a set is NAME.json beside NAME.hex or NAME.bin)", .0.display())]
+    #[error("{}: no vector set here (a set is NAME.json next to NAME.hex or NAME.bin)", .0.display())]
     NoSets(PathBuf),
     /// Not a manifest this version understands.
     #[error("{}: {problem}", .path.display())]

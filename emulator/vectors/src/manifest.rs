@@ -196,7 +196,7 @@ impl Manifest {
         if ![Form::Hex, Form::Bin].into_iter().any(|form| has_extension(&file.name, form)) {
             return Err(format!("file `{}` is neither .hex nor .bin", file.name));
         }
-        if self.effects != self.effects.of(self.datapath) {
+        if self.effects != self.effects.restricted_to(self.datapath) {
             return Err(format!("effects that the datapath `{}` does not have are on", self.datapath.name()));
         }
         self.check_fields(&self.own_layout()?)

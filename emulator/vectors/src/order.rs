@@ -97,7 +97,7 @@ pub(super) fn with_cause(
 
 /// Number of words in a file, and their faults of order; `None` if they cannot be determined.
 fn read_order(manifest_path: &Path, manifest: &Manifest, layout: &Layout) -> Option<(u64, Vec<Misplaced>)> {
-    let source = Source::of(manifest)?;
+    let source = Source::from_manifest(manifest)?;
     let inputs = layout.fields().iter().filter(|field| field.direction == Direction::In).count();
     let mut lines = Lines::open_longer(manifest_path, manifest).ok()?;
     let (mut found, mut numbers) = (Vec::new(), Vec::new());
@@ -199,7 +199,7 @@ fn compared(expected: &[u64], found: &[u64], lines: &[u64], first: u64) -> Vec<M
 mod tests {
     use super::*;
 
-    fn of(expected: &[u64], found: &[u64]) -> Vec<String> {
+    fn differences(expected: &[u64], found: &[u64]) -> Vec<String> {
         let lines: Vec<u64> = (2..).take(found.len()).collect();
         compared(expected, found, &lines, 100).iter().map(ToString::to_string).collect()
     }
@@ -210,7 +210,7 @@ mod tests {
         let changed = |change: fn(&mut Vec<u64>)| {
             let mut found = set.clone();
             change(&mut found);
-            of(&set, &found)
+            differences(&set, &found)
         };
         assert!(changed(|_| ()).is_empty());
         assert_eq!(
@@ -234,13 +234,16 @@ mod tests {
         assert!(changed(|words| words.fill(1)).is_empty());
         // No word is at its position, but every word is known.
         assert_eq!(changed(|words| drop(words.drain(..1))), ["word #100 is missing"]);
-        assert_eq!(of(&[1, 2], &[2, 1]), ["words #100 and #101 are in each other's place (lines 2 and 3)"]);
+        assert_eq!(differences(&[1, 2], &[2, 1]), ["words #100 and #101 are in each other's place (lines 2 and 3)"]);
     }
 
     #[test]
     fn equal_words_may_stand_in_each_others_place() {
-        assert!(of(&[1, 2, 2, 3], &[1, 2, 2, 3]).is_empty());
-        assert_eq!(of(&[1, 2, 2, 3], &[2, 1, 2, 3]), ["words #100 and #101 are in each other's place (lines 2 and 3)"]);
-        assert_eq!(of(&[1, 2, 2, 3], &[1, 2, 3]), ["word #102 is missing"]);
+        assert!(differences(&[1, 2, 2, 3], &[1, 2, 2, 3]).is_empty());
+        assert_eq!(
+            differences(&[1, 2, 2, 3], &[2, 1, 2, 3]),
+            ["words #100 and #101 are in each other's place (lines 2 and 3)"]
+        );
+        assert_eq!(differences(&[1, 2, 2, 3], &[1, 2, 3]), ["word #102 is missing"]);
     }
 }

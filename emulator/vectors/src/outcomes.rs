@@ -31,7 +31,7 @@ pub(super) struct Outcome {
 }
 
 impl<'a> Outcomes<'a> {
-    pub(super) fn of(manifest: &'a Manifest, layout: &'a Layout) -> Self {
+    pub(super) fn new(manifest: &'a Manifest, layout: &'a Layout) -> Self {
         let outcome = |(field, node, drop)| Outcome { field, node, drop };
         let (net, mut list): (_, Vec<Outcome>) = match layout.stage() {
             Some(stage) => {
@@ -41,7 +41,7 @@ impl<'a> Outcomes<'a> {
             }
             None => {
                 let knobs = &manifest.profile.knobs;
-                let net = record::net(Design::of(manifest.datapath), &manifest.effects, knobs);
+                let net = record::net(Design::for_datapath(manifest.datapath), &manifest.effects, knobs);
                 let list = layout.outcomes(&net, knobs).map(outcome).collect();
                 (Cow::Owned(net), list)
             }
@@ -66,7 +66,7 @@ impl<'a> Outcomes<'a> {
         let inputs = self.layout.decode(bits);
         match self.layout.stage() {
             Some(_) => inputs,
-            None => Inputs::of(self.manifest.datapath, &inputs).recorded(&self.manifest.profile.knobs),
+            None => Inputs::from_integers(self.manifest.datapath, &inputs).recorded(&self.manifest.profile.knobs),
         }
     }
 

@@ -6,27 +6,22 @@ use serde::{Deserialize, Serialize};
 
 use super::MAX_VECTORS;
 
-/// A share of all work: number `number`, from 1, of `of`.
+/// A share of all work: number `number`, from 1, of `count` shares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     number: u64,
-    of: u64,
+    count: u64,
 }
 
 impl Shard {
-    /// A shard; `None` if `number` is not in 1 to `of`, or there are more shards than the most vectors of a set.
-    pub fn new(number: u64, of: u64) -> Option<Self> {
-        ((1..=MAX_VECTORS).contains(&of) && (1..=of).contains(&number)).then_some(Self { number, of })
+    /// A shard; `None` if `number` is not in 1 to `count`, or there are more shards than the most vectors of a set.
+    pub fn new(number: u64, count: u64) -> Option<Self> {
+        ((1..=MAX_VECTORS).contains(&count) && (1..=count).contains(&number)).then_some(Self { number, count })
     }
 
     /// Number of this shard, from 1.
     pub fn number(&self) -> u64 {
         self.number
-    }
-
-    /// Number of shards.
-    pub fn of(&self) -> u64 {
-        self.of
     }
 }
 
@@ -46,8 +41,8 @@ pub struct Part {
 
 impl Part {
     /// The part of a shard in a set of `count` vectors. A set has no more parts than vectors, so the last shards may have none.
-    pub fn of(count: u64, shard: Shard) -> Option<Self> {
-        let of = shard.of.min(count);
+    pub fn from_shard(count: u64, shard: Shard) -> Option<Self> {
+        let of = shard.count.min(count);
         (shard.number <= of).then(|| Self::numbered(shard.number, of, count))
     }
 
@@ -97,7 +92,7 @@ mod tests {
         for count in [1, 2, 7, 40, 41, MAX_VECTORS] {
             for of in [1, 2, 3, 7, 40, 41, 64] {
                 let parts: Vec<Part> =
-                    (1..=of).filter_map(|number| Part::of(count, Shard::new(number, of).unwrap())).collect();
+                    (1..=of).filter_map(|number| Part::from_shard(count, Shard::new(number, of).unwrap())).collect();
                 assert_eq!(parts.len() as u64, of.min(count));
                 let mut next = 0;
                 for part in &parts {

@@ -15,11 +15,34 @@ use roughxel_core::precision::Precision;
 use super::datapath::{InputSource, Inputs, Ports};
 use super::manifest::Manifest;
 
-/// The random set of each datapath: its name and contents.
-pub const RANDOM_SETS: [(&str, Datapath, &str); 3] = [
-    ("random", Datapath::Reflection, "seeded random fragments: plausible ones, and bit patterns at corner exponents"),
-    ("random_highlight", Datapath::Highlight, "seeded random lights on rough surfaces, and bit patterns"),
-    ("random_peak", Datapath::Peak, "seeded random lights on peaks under horizons, and bit patterns"),
+/// Name and contents of the random set of a datapath.
+#[derive(Clone, Copy, Debug)]
+pub struct RandomSetSummary {
+    /// Name of the set with seed 0, which is also its seed.
+    pub name: &'static str,
+    /// The datapath.
+    pub datapath: Datapath,
+    /// Contents of the set.
+    pub description: &'static str,
+}
+
+/// The random set of each datapath, in the order of [`Datapath::ALL`].
+pub const RANDOM_SETS: [RandomSetSummary; 3] = [
+    RandomSetSummary {
+        name: "random",
+        datapath: Datapath::Reflection,
+        description: "seeded random fragments: plausible ones, and bit patterns at corner exponents",
+    },
+    RandomSetSummary {
+        name: "random_highlight",
+        datapath: Datapath::Highlight,
+        description: "seeded random lights on rough surfaces, and bit patterns",
+    },
+    RandomSetSummary {
+        name: "random_peak",
+        datapath: Datapath::Peak,
+        description: "seeded random lights on peaks under horizons, and bit patterns",
+    },
 ];
 
 /// Rule by which [`roughxel_utilities::random::SplitMix64::for_element`] finds the numbers of one vector, and version of the
@@ -89,7 +112,7 @@ pub(super) enum Source {
 
 impl Source {
     /// The source of a set; `None` for captured fragments, for a stage alone, or if a different version had other cases.
-    pub(super) fn of(manifest: &Manifest) -> Option<Self> {
+    pub(super) fn from_manifest(manifest: &Manifest) -> Option<Self> {
         if manifest.stage.is_some() {
             return None;
         }
@@ -172,7 +195,7 @@ pub fn hard_sets(p: &Precision) -> Vec<VectorSet> {
 
 /// The listed vectors of other sets of a datapath. A line has the name of a set, or the seed of a random one, and an index in it.
 fn chosen(datapath: Datapath, list: &str, sets: &[VectorSet], p: &Precision) -> Vec<Inputs> {
-    let (random, ..) = RANDOM_SETS[datapath as usize];
+    let random = RANDOM_SETS[datapath as usize].name;
     let inputs = |line: &str| {
         let (set, index) = line.split_once(' ')?;
         let index = index.parse().ok()?;

@@ -13,12 +13,12 @@ use std::process::{Command, Stdio};
 use thiserror::Error;
 
 use super::VectorError;
-use super::bench::{Bench, BenchError, Device};
 use super::datapath::Inputs;
 use super::explain::Vector;
 use super::export::{SetExport, SetInfo};
 use super::layout::Layout;
 use super::manifest::Manifest;
+use super::testbench::{Device, Testbench, TestbenchError};
 use shape::{Change, Shape, bits_of, changed};
 
 /// Candidates in a run. A testbench is compiled for a number of vectors, so every run has this many.
@@ -29,7 +29,7 @@ const DEPTH: u32 = 16;
 /// Reason why a vector cannot be minimised.
 #[derive(Debug, Error)]
 pub enum ShrinkError {
-    /// The set or that of the bench cannot be read, or the result not written.
+    /// The set or that of the testbench cannot be read, or the result not written.
     #[error(transparent)]
     Set(#[from] VectorError),
     /// The word of the set does not follow from its inputs, so it says nothing about a device.
@@ -59,7 +59,7 @@ pub enum ShrinkError {
     },
     /// The testbench cannot be written for candidates.
     #[error(transparent)]
-    Bench(#[from] BenchError),
+    Testbench(#[from] TestbenchError),
     /// The shell cannot be started.
     #[error("cannot run sh for {}", .path.display())]
     Shell {
@@ -123,7 +123,7 @@ impl Shrunk {
     }
 }
 
-/// Minimises vector `index` of the set of `manifest_path` for the device in `directory`, which [`Bench::write`] made for a set
+/// Minimises vector `index` of the set of `manifest_path` for the device in `directory`, which [`Testbench::write`] made for a set
 /// with the same fields. The testbench runs in a copy below `directory/build`, which is removed afterwards. `progress` gets the
 /// number of runs.
 ///
@@ -142,7 +142,7 @@ pub fn shrink(
     let manifest = vector.manifest();
     if manifest.stage.is_some() {
         let problem =
-            "a set of one stage; shrink a vector of its datapath, whose bench takes the stage's module in `rtl`";
+            "a set of one stage; shrink a vector of its datapath, whose testbench takes the stage's module in `rtl`";
         return Err(VectorError::Manifest { path: manifest_path.into(), problem: problem.into() }.into());
     }
     let of_bench = Manifest::read(&directory.join("set.json"))?;
@@ -281,7 +281,7 @@ impl<'a> Runner<'a> {
         };
         let sets = self.copy.join("candidates");
         let manifest = SetExport::new(&info, BATCH as u64).write(&input, &sets, &|_| {})?;
-        let bench = Bench::new(&sets.join(manifest.stem() + ".json"))?;
+        let bench = Testbench::new(&sets.join(manifest.stem() + ".json"))?;
         let is_first = self.runs == 0;
         if is_first {
             bench.write(&self.copy, Device::Blank, false)?;
@@ -305,7 +305,7 @@ impl<'a> Runner<'a> {
         Ok(outcomes)
     }
 
-    /// What the bench prints.
+    /// Output of the testbench.
     fn said(&self, compile: bool) -> Result<String, ShrinkError> {
         let script = self.copy.join("run.sh");
         let mut command = Command::new("sh");
@@ -340,7 +340,7 @@ fn difference<'a>(line: &'a str, set: &str) -> Option<(usize, &'a str, &'a str, 
     Some((index.parse().ok()?, stage, field, got.split_whitespace().next()?))
 }
 
-/// Copies a bench with what lies in its folders, what was built aside.
+/// Copies a testbench and its folders, without what was built.
 fn copy_folder(from: &Path, to: &Path, depth: u32) -> Result<(), ShrinkError> {
     let error = |path: &Path| {
         let path = path.to_path_buf();
@@ -387,7 +387,7 @@ mod tests {
     fn every_change_is_simpler_and_can_be_exported() {
         for datapath in Datapath::ALL {
             let p = Precision::STANDARD;
-            let layout = Layout::new(datapath, &Effects::ALL.of(datapath), &p, true);
+            let layout = Layout::new(datapath, &Effects::ALL.restricted_to(datapath), &p, true);
             let shape = Shape::new(&layout);
             for index in 0..20 {
                 let ports = random_set(datapath, "test", index, &p).integers();
@@ -408,7 +408,7 @@ mod tests {
 
     #[test]
     fn nothing_is_simpler_than_zero() {
-        let layout = Layout::new(Datapath::Peak, &Effects::ALL.of(Datapath::Peak), &Precision::NARROW, true);
+        let layout = Layout::new(Datapath::Peak, &Effects::ALL.restricted_to(Datapath::Peak), &Precision::NARROW, true);
         let shape = Shape::new(&layout);
         assert!(shape.changes(&vec![0; shape.fields.len()]).is_empty());
     }

@@ -29,14 +29,14 @@ impl StageSet {
     /// without a name.
     ///
     /// Errors: those of the Verilog; an unknown name, with the known ones; a port that no field holds.
-    pub fn of(
+    pub fn select(
         datapath: Datapath,
         effects: &Effects,
         p: &Precision,
         name: Option<&str>,
     ) -> Result<Vec<Self>, VerilogError> {
         let options = Options { stage: name.map(str::to_owned), ..Options::new("", *p, *effects) };
-        let Stages { net, stages } = record::stages(Design::of(datapath), &options)?;
+        let Stages { net, stages } = record::stages(Design::for_datapath(datapath), &options)?;
         let net = Arc::new(net);
         let set = |stage: Stage| Ok(Self { net: Arc::clone(&net), layout: Layout::of_stage(&stage)?, stage });
         stages.into_iter().map(set).collect()
@@ -61,7 +61,7 @@ pub(super) fn layout(
     module: &str,
     runs: &[String],
 ) -> Result<Layout, String> {
-    let sets = StageSet::of(datapath, effects, p, Some(module));
+    let sets = StageSet::select(datapath, effects, p, Some(module));
     let sets = sets.map_err(|error| format!("stage `{module}`: {error}"))?;
     let set = sets.into_iter().find(|set| set.name() == module);
     let set = set.ok_or_else(|| format!("stage `{module}` is no module in this version; export the set again"))?;

@@ -84,7 +84,7 @@ fn fragment(direction: DVec3, radius: f64, aspect: f64, p: &Precision) -> Reflec
 /// Sample in a direction: a lobe of a standard deviation along one axis and an `aspect` of it along the other, sampled as roughness or as a pixel's
 /// box; or one trilinear probe at a level with 16 fraction bits.
 #[derive(Clone, Copy)]
-struct Footprint {
+struct LobeSample {
     kind: FootprintKind,
     radius: f64,
     aspect: f64,
@@ -92,7 +92,7 @@ struct Footprint {
     lod: Option<i32>,
 }
 
-impl Footprint {
+impl LobeSample {
     /// One probe at the place of its footprint.
     const PROBE: Self = Self { kind: FootprintKind::Face, radius: 0.0, aspect: 1.0, rough: false, lod: None };
 }
@@ -103,8 +103,8 @@ struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    fn sample(&self, direction: DVec3, footprint: Footprint) -> [f64; 3] {
-        let Footprint { kind, radius, aspect, rough, lod } = footprint;
+    fn sample(&self, direction: DVec3, footprint: LobeSample) -> [f64; 3] {
+        let LobeSample { kind, radius, aspect, rough, lod } = footprint;
         let roughness = RoughnessKind::None;
         let plan = ReflectionPlan { bump: false, roughness, footprint: kind, ..ReflectionPlan::FULL };
         let input = fragment(direction, radius, aspect, self.p).wires();
@@ -114,14 +114,14 @@ impl Sampler<'_> {
         let sample = match kind {
             FootprintKind::Sphere => self.map.sample_sphere(&stages.sweep, rough, self.p),
             FootprintKind::None | FootprintKind::Face => {
-                self.map.sample(&shader::Footprint { point: stages.point, probes }, rough, self.p)
+                self.map.sample(&shader::FaceFootprint { point: stages.point, probes }, rough, self.p)
             }
         };
         sample.map(|channel| channel.raw().into())
     }
 
     /// Largest step over least variation.
-    fn step(&self, footprint: Footprint) -> f64 {
+    fn step(&self, footprint: LobeSample) -> f64 {
         let place = |index: u32, count: u32| 2.0 * f64::from(index) / f64::from(count - 1) - 1.0;
         let mut least_variation = f64::INFINITY;
         let mut largest_step = 0.0_f64;
@@ -159,20 +159,20 @@ impl Sampler<'_> {
 /// Measures the steps with a profile.
 pub fn cube_edge_step(profile: &Precision) -> CubeEdgeStep {
     let sampler = Sampler { map: environment(), p: profile };
-    let largest = |footprints: &mut dyn Iterator<Item = Footprint>| {
+    let largest = |footprints: &mut dyn Iterator<Item = LobeSample>| {
         footprints.map(|footprint| sampler.step(footprint)).fold(0.0, f64::max)
     };
-    let lobes = |radius: f64| [false, true].map(|rough| Footprint { radius, rough, ..Footprint::PROBE });
+    let lobes = |radius: f64| [false, true].map(|rough| LobeSample { radius, rough, ..LobeSample::PROBE });
     CubeEdgeStep {
         probe: largest(
-            &mut (0..LODS).map(|eighths| Footprint { lod: Some((eighths << 13) as i32), ..Footprint::PROBE }),
+            &mut (0..LODS).map(|eighths| LobeSample { lod: Some((eighths << 13) as i32), ..LobeSample::PROBE }),
         ),
         lobe: largest(&mut (8..=16).flat_map(|halves| lobes(2_f64.powf(-0.5 * f64::from(halves))))),
         wide_lobe: largest(&mut lobes(0.25).into_iter()),
         lobe_on_sphere: largest(&mut (0..=16).flat_map(|halves| {
             let radius = 2_f64.powf(-0.5 * f64::from(halves));
             let kind = FootprintKind::Sphere;
-            let lobe = |aspect, rough| Footprint { kind, radius, aspect, rough, lod: None };
+            let lobe = |aspect, rough| LobeSample { kind, radius, aspect, rough, lod: None };
             [lobe(1.0, false), lobe(1.0, true), lobe(3.0, false), lobe(3.0, true)]
         })),
     }

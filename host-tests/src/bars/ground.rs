@@ -35,7 +35,7 @@ pub fn ground_plane(texture: GroundTexture, reference: &GroundReference, profile
         probes += ports.footprint(&scale, profile).probes.count.raw();
         footprints.make(shader, &Batch::from_iter([ports.duv.wires()]));
         let centres = &Batch::from_iter([TexturePosition { uv: ports.uv.wires() }]);
-        let places = Places { centres, footprints: footprints.of(&map.texels.map) };
+        let places = Places { centres, footprints: footprints.for_map(&map.texels.map) };
         Colours { places, map: &map, own }.run(shader, &mut colours);
         f64::from(colours.get(0).channels[0].raw()) / f64::from(1 << 24)
     });

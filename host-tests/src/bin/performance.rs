@@ -46,7 +46,7 @@ const MEASURES: [Measure; 9] = [
     },
     Measure {
         name: "sphere",
-        command: "cargo sweep lobes -- --nocapture",
+        command: "cargo full lobes -- --nocapture",
         note: "no times",
         is_timed: false,
         run: sphere,
@@ -160,7 +160,7 @@ fn hardware() -> Result<Table, String> {
 }
 
 fn sphere() -> Result<Table, String> {
-    let text = cargo(&["sweep", "lobes", "--", "--nocapture"])?;
+    let text = cargo(&["full", "lobes", "--", "--nocapture"])?;
     let rows: Vec<_> = text
         .lines()
         .filter(|line| line.contains(", slope ") && line.contains(" dB, jump "))

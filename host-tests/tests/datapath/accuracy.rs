@@ -1,4 +1,4 @@
-//! The accuracy table of the project: every bar of [`Figure::bar`] over 10⁶ seeded random fragments (a fifth of them without a sweep) and all hard
+//! The accuracy table of the project: every bar of [`Figure::bar`] over 10⁶ seeded random fragments (a fifth of them without a full run) and all hard
 //! cases, for each named profile. The worst fragment of a figure that breaks its bar is printed whole.
 
 use roughxel_core::precision::Profile;

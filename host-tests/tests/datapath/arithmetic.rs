@@ -45,10 +45,10 @@ fn wide() -> impl Strategy<Value = i64> {
 }
 
 /// A mantissa of `bits` kept fraction bits.
-fn mantissa(keep: u32) -> impl Strategy<Value = i32> {
-    let shift = FRACTION - keep;
+fn mantissa(fraction_bits: u32) -> impl Strategy<Value = i32> {
+    let shift = FRACTION - fraction_bits;
     prop_oneof![
-        (-(1_i32 << keep)..=1 << keep).prop_map(move |m| m << shift),
+        (-(1_i32 << fraction_bits)..=1 << fraction_bits).prop_map(move |m| m << shift),
         Just(ONE),
         Just(-ONE),
         Just(0),
@@ -65,10 +65,14 @@ fn rounding_is_to_nearest_with_ties_towards_plus_infinity() {
         assert_eq!(x.round_to::<2>(30).raw(), expected);
     }
     // All 24-bit inputs, all places.
-    (0..24_u32).into_par_iter().for_each(|keep| {
+    (0..24_u32).into_par_iter().for_each(|fraction_bits| {
         for x in -(1 << 23)..1 << 23 {
-            let expected = rounded(i128::from(x), 24 - keep) << (24 - keep);
-            assert_eq!(i128::from(Fx::<i32, 8>::from_raw(x).keep(keep).raw()), expected, "{x} keeps {keep}");
+            let expected = rounded(i128::from(x), 24 - fraction_bits) << (24 - fraction_bits);
+            assert_eq!(
+                i128::from(Fx::<i32, 8>::from_raw(x).quantise(fraction_bits).raw()),
+                expected,
+                "{x} keeps {fraction_bits}"
+            );
         }
     });
 }
@@ -76,23 +80,23 @@ fn rounding_is_to_nearest_with_ties_towards_plus_infinity() {
 #[test]
 fn keeping_all_bits_changes_nothing() {
     for x in [i32::MIN, -1, 0, 1, i32::MAX] {
-        assert_eq!(Fx::<i32, 8>::from_raw(x).keep(24).raw(), x);
-        assert_eq!(Fx::<i32, 8>::from_raw(x).keep(40).raw(), x);
+        assert_eq!(Fx::<i32, 8>::from_raw(x).quantise(24).raw(), x);
+        assert_eq!(Fx::<i32, 8>::from_raw(x).quantise(40).raw(), x);
     }
 }
 
 #[test]
 fn rounded_shift_equals_rounding_the_quotient() {
     // 17-bit mantissas and all places: 2^22 inputs.
-    for keep in [12, 16] {
+    for fraction_bits in [12, 16] {
         (0..32_u32).into_par_iter().for_each(|k| {
-            for m in -(1 << keep)..=1 << keep {
-                let raw = m << (FRACTION - keep);
+            for m in -(1 << fraction_bits)..=1 << fraction_bits {
+                let raw = m << (FRACTION - fraction_bits);
                 let got = Fx::<Checked, 2>::from_raw(Checked::new(raw))
-                    .round_shr_by(Fx::from_raw(Checked::new(k as i32)), keep)
+                    .round_shr_by(Fx::from_raw(Checked::new(k as i32)), fraction_bits)
                     .raw()
                     .value();
-                let expected = rounded(i128::from(m), k) << (FRACTION - keep);
+                let expected = rounded(i128::from(m), k) << (FRACTION - fraction_bits);
                 assert_eq!(i128::from(got), expected, "{m} by {k}");
             }
         });
@@ -103,13 +107,16 @@ fn rounded_shift_equals_rounding_the_quotient() {
 fn rounded_shift_of_a_word_with_no_bit_to_spare_equals_rounding_the_quotient() {
     // Every 16-bit mantissa in [-1, 1] that is kept to 12, 13 or all 14 bits, and all places.
     let fraction = Fx::<i16, 2>::FRACTION;
-    for keep in 12..=fraction {
+    for fraction_bits in 12..=fraction {
         for k in 0..16_u32 {
-            for m in -(1_i32 << keep)..=1 << keep {
-                let raw = CheckedWire::new((m << (fraction - keep)) as i16);
-                let got = Fx::<CheckedWire<i16>, 2>::from_raw(raw).round_shr_by(Fx::lit(k.into()), keep).raw().value();
-                let expected = rounded(i128::from(m), k) << (fraction - keep);
-                assert_eq!(i128::from(got), expected, "{m} by {k} keeps {keep}");
+            for m in -(1_i32 << fraction_bits)..=1 << fraction_bits {
+                let raw = CheckedWire::new((m << (fraction - fraction_bits)) as i16);
+                let got = Fx::<CheckedWire<i16>, 2>::from_raw(raw)
+                    .round_shr_by(Fx::lit(k.into()), fraction_bits)
+                    .raw()
+                    .value();
+                let expected = rounded(i128::from(m), k) << (fraction - fraction_bits);
+                assert_eq!(i128::from(got), expected, "{m} by {k} keeps {fraction_bits}");
             }
         }
     }
@@ -150,25 +157,25 @@ proptest! {
     #![proptest_config(config())]
 
     #[test]
-    fn a_wide_wire_narrows_to_the_nearest_word(x in wide(), keep in 0_u32..40, shift in 0_u32..33) {
+    fn a_wide_wire_narrows_to_the_nearest_word(x in wide(), fraction_bits in 0_u32..40, shift in 0_u32..33) {
         // Into the range of the result: |x| < 2^31 with 30 fraction bits.
         let x = x >> shift.max(3);
-        let places = 60 - keep.min(30);
+        let places = 60 - fraction_bits.min(30);
         let expected = rounded(i128::from(x), places) << (places - 30);
-        let got = Fx::<CheckedWide, 4>::from_raw(CheckedWide::new(x)).round_to::<2>(keep);
+        let got = Fx::<CheckedWide, 4>::from_raw(CheckedWide::new(x)).round_to::<2>(fraction_bits);
         prop_assert_eq!(i128::from(got.raw().value()), expected);
     }
 
     #[test]
     fn a_block_keeps_its_value_within_half_a_last_place(
         wide in prop::array::uniform3(wide()),
-        keep in 12_u32..=28,
+        fraction_bits in 12_u32..=28,
         exponent in -70_000_i64..70_000,
     ) {
         let block = normalise::<CheckedWide, 3, 4>(
             wide.map(|w| Fx::from_raw(CheckedWide::new(w))),
             Fx::lit(exponent),
-            keep,
+            fraction_bits,
         );
         let mantissas = block.m.map(|m| m.raw().value());
         let e = i64::from(block.e.raw().value());
@@ -182,10 +189,10 @@ proptest! {
         let up = exponent - 30 - e;
         prop_assert!((-33..=30).contains(&up));
         for (w, m) in wide.into_iter().zip(mantissas) {
-            prop_assert_eq!(m & ((1 << (FRACTION - keep)) - 1), 0, "kept bits only");
+            prop_assert_eq!(m & ((1 << (FRACTION - fraction_bits)) - 1), 0, "kept bits only");
             let value = i128::from(w) << (up + 33);
             let kept = i128::from(m) << 33;
-            let last_place = 1_i128 << (33 + FRACTION - keep);
+            let last_place = 1_i128 << (33 + FRACTION - fraction_bits);
             prop_assert!(2 * (value - kept).abs() <= last_place);
             // Exact if the dropped bits are zero.
             if value % last_place == 0 {

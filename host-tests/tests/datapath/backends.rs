@@ -104,7 +104,7 @@ fn any_precision(random: &mut SplitMix64) -> Precision {
 #[test]
 fn backends_agree_on_every_hard_case_under_every_plan() {
     let plans = plans();
-    // A dozen plans each, three without a sweep; the sets hold enough fragments for every plan to meet every kind of case.
+    // A dozen plans each, three without a full run; the sets hold enough fragments for every plan to meet every kind of case.
     let each = whole_or(12, 3);
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
@@ -198,7 +198,7 @@ fn elementary_functions_stay_on_their_wires_at_and_beyond_the_ends_of_their_doma
             let exponent = x.clamp(-one, one);
             let expected = elementary::exp2::<i32>(Fx::from_raw(exponent), &p);
             let got = elementary::exp2::<Checked>(Fx::from_raw(Checked::new(exponent)), &p);
-            assert_eq!(Integers::of(&expected), Integers::of(&got));
+            assert_eq!(Integers::from_bundle(&expected), Integers::from_bundle(&got));
         }
     });
 }
@@ -283,7 +283,7 @@ fn a_block_that_is_off_costs_nothing() {
             let without = cost(&plan, &p);
             println!("  without {effect:9} {:5} of {}", without.hardware(), all.hardware());
             assert!(without.hardware() < all.hardware(), "{effect} is still there: {without}");
-            assert!(without.of("mul") <= all.of("mul"));
+            assert!(without.count("mul") <= all.count("mul"));
         }
         let bare = ReflectionPlan {
             bump: false,
@@ -295,7 +295,7 @@ fn a_block_that_is_off_costs_nothing() {
         // A mirror without any effect needs no tangent basis: 12 products for r, 2 for s and t, 2 in a Newton step.
         let mirror = cost(&bare, &p);
         println!("  plain mirror      {:5} of {}", mirror.hardware(), all.hardware());
-        assert_eq!(mirror.of("mul"), 14 + 2 * u64::from(p.reciprocal.steps));
+        assert_eq!(mirror.count("mul"), 14 + 2 * u64::from(p.reciprocal.steps));
         assert!(mirror.hardware() * 5 < all.hardware());
     }
 }

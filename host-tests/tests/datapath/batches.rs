@@ -5,7 +5,7 @@ use roughxel_core::datapath::texel::Bump;
 use roughxel_core::fx::Fx;
 use roughxel_core::ports::PortBlock;
 use roughxel_core::signals::{Probes, Sweep, TexturePosition};
-use roughxel_shader::{Batch, BlockRows, Derivatives, FilteredBump, Footprint};
+use roughxel_shader::{Batch, BlockRows, Derivatives, FaceFootprint, FilteredBump};
 use roughxel_simd::LANES;
 
 use super::lanes::same_wires;
@@ -75,7 +75,7 @@ fn columns_know_their_words() {
     }
     for count in [1, 16] {
         let probes = Probes { count: Fx::from_raw(count), ..Probes::<i32>::limit(End::High) };
-        let footprint = Footprint { probes, ..Footprint::<i32>::limit(End::High) };
+        let footprint = FaceFootprint { probes, ..FaceFootprint::<i32>::limit(End::High) };
         assert_eq!(Batch::from_iter([footprint]).counts(), [count]);
         let sweep = Sweep { count: Fx::from_raw(count), ..Sweep::<i32>::limit(End::High) };
         assert_eq!(Batch::from_iter([sweep]).counts(), [count]);
@@ -84,6 +84,6 @@ fn columns_know_their_words() {
         [([1, 1], [0; 3], true), ([0, 0], [0, 0, 1], false), ([0, 0], [1, 0, 0], false)]
     {
         let bump = Bump { offset: offset.map(Fx::from_raw), roughness: roughness.map(Fx::from_raw) };
-        assert_eq!(Batch::from_iter([FilteredBump { bump, taps: Fx::from_raw(9) }]).is_smooth(), is_smooth);
+        assert_eq!(Batch::from_iter([FilteredBump { bump, samples: Fx::from_raw(9) }]).is_smooth(), is_smooth);
     }
 }

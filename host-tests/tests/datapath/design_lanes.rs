@@ -17,7 +17,7 @@ use super::lanes::{made_by_all, profiles};
 /// All effects together, and single choices of them; in a short run, some with each profile.
 fn tried(datapath: Datapath, profile: &str) -> impl Iterator<Item = Effects> {
     let some = effects(Some(datapath)).into_iter().enumerate().filter(move |&(index, _)| in_turn(index, profile));
-    [Effects::ALL.of(datapath)].into_iter().chain(some.map(|(_, effects)| effects))
+    [Effects::ALL.restricted_to(datapath)].into_iter().chain(some.map(|(_, effects)| effects))
 }
 
 /// Compares the results of all backends for random inputs and hard cases with those of the datapath for each input, wire by wire.

@@ -45,9 +45,9 @@ fn mantissa(x: i32) -> f64 {
     f64::from(x) / f64::from(ONE)
 }
 
-/// Largest error of `error` over every mantissa of `keep` bits from `low` to 1, both included, and its place.
-fn worst_over_mantissas(low: i32, keep: u32, error: impl Fn(i32) -> f64 + Sync) -> (f64, i32) {
-    let step = FRACTION - keep;
+/// Largest error of `error` over every mantissa of `fraction_bits` bits from `low` to 1, both included, and its place.
+fn worst_over_mantissas(low: i32, fraction_bits: u32, error: impl Fn(i32) -> f64 + Sync) -> (f64, i32) {
+    let step = FRACTION - fraction_bits;
     let (worst, unit) = worst_of(low >> step..(ONE >> step) + 1, |unit| error(unit << step));
     (worst, unit << step)
 }
@@ -197,8 +197,8 @@ fn roots_of_blocks_are_right_at_every_exponent_and_zero() {
         let p = profile(index);
         let mut random = SplitMix64::for_element("roots of blocks", index as u64);
         for round in 0..20_000 {
-            let keep = FRACTION - p.fraction_bits;
-            let mantissa_bits = (ONE / 2 + random.below(1 << 29) as i32) >> keep << keep;
+            let drop = FRACTION - p.fraction_bits;
+            let mantissa_bits = (ONE / 2 + random.below(1 << 29) as i32) >> drop << drop;
             let exponent =
                 if round % 2 == 0 { random.below(9) as i32 - 4 } else { random.below(1 << 19) as i32 - (1 << 18) };
             let x = Block::<i32, 1> { m: [Fx::from_raw(mantissa_bits)], e: Fx::from_raw(exponent) };

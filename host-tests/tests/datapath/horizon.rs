@@ -259,7 +259,7 @@ fn a_stored_horizon_is_within_its_stated_error() {
 }
 
 #[test]
-fn every_reading_gives_the_same_bits() {
+fn every_backend_gives_the_same_bits() {
     for (name, p) in profiles() {
         let hard = horizon_hard_sets(&p).into_iter().flat_map(|set| set.cases);
         let cases: Vec<_> = hard.chain((0..4000).map(|index| random_horizon_case(name, index, &p))).collect();

@@ -6,7 +6,7 @@ use roughxel_core::precision::Precision;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_host_tests::bars;
-use roughxel_host_tests::space::sweep;
+use roughxel_host_tests::space::is_full_run;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::Scene;
 use roughxel_simd::{Backend, InstructionSet};
@@ -17,7 +17,7 @@ use super::lane_words::instruction_sets;
 const LIT_SCENES: [&str; 4] = ["highlight", "velvet", "spheres-sphere", "horizon-plane"];
 
 #[test]
-fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
+fn frames_have_the_same_bits_in_every_backend_and_for_any_number_of_threads() {
     let backends: Vec<_> = instruction_sets().into_iter().map(Backend::Simd).chain([Backend::Scalar]).collect();
     let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join(bars::GOLDEN_FRAMES);
     let golden = std::fs::read_to_string(golden).unwrap();
@@ -30,7 +30,7 @@ fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
             for &backend in &backends {
                 let prepared = Prepared::with_peaks(&scene, mode, &Precision::STANDARD, &peaks).unwrap();
                 let prepared = prepared.with_backend(backend);
-                let counts: &[usize] = if sweep() || mode == Mode::Footprint { &[1, 2, 7] } else { &[2] };
+                let counts: &[usize] = if is_full_run() || mode == Mode::Footprint { &[1, 2, 7] } else { &[2] };
                 for &threads in counts {
                     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                     let digest = pool.install(|| prepared.render(&|| ())).unwrap().digest();
@@ -42,7 +42,7 @@ fn frames_have_the_same_bits_in_every_reading_and_for_any_number_of_threads() {
 }
 
 #[test]
-fn a_reading_is_named_as_it_is_printed() {
+fn a_backend_is_named_as_it_is_printed() {
     let backends = InstructionSet::available().map(Backend::Simd).chain([Backend::Scalar, Backend::best()]);
     for backend in backends {
         assert_eq!(backend.to_string().parse(), Ok(backend));

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use roughxel_core::word::{Wire, Word};
-use roughxel_host_tests::space::{sweep, whole_or};
+use roughxel_host_tests::space::{is_full_run, whole_or};
 #[cfg(target_arch = "x86_64")]
 use roughxel_simd::{Avx2, Avx512};
 use roughxel_simd::{Halves, InstructionSet, LANES, Lanes, NARROW_LANES, NarrowLanes, Target, WideLanes};
@@ -57,7 +57,7 @@ macro_rules! shared_operations {
             let [a, b]: [[$int; $count]; 2] = [lane(), lane()];
             let counts: [i32; $count] = core::array::from_fn(|_| corner(random) as i32);
             let (value, k) = (corner(random) as $int, random.below(u64::from(<$int>::BITS)) as u32);
-            let (x, y, n) = ($lanes::<T>::of(a), $lanes::<T>::of(b), $counts::<T>::of(counts));
+            let (x, y, n) = ($lanes::<T>::from_array(a), $lanes::<T>::from_array(b), $counts::<T>::from_array(counts));
             let (below, positive) = (x.lt(y), $lanes::lit(0).lt(x));
             macro_rules! same {
                 ($lanes_operation:expr, |$i:ident| $scalar:expr) => {
@@ -123,8 +123,8 @@ macro_rules! operations_of_words {
             let [a, b]: [[$int; $count]; 2] = [lane(), lane()];
             let places: [i32; $count] = core::array::from_fn(|_| first + random.below(span) as i32);
             let wide: [$wide; $count] = core::array::from_fn(|_| corner(random) as $wide);
-            let [x, y] = [a, b].map($words::<T>::of);
-            let (w, place) = ($wides::<T>::of(wide), $counts::<T>::of(places));
+            let [x, y] = [a, b].map($words::<T>::from_array);
+            let (w, place) = ($wides::<T>::from_array(wide), $counts::<T>::from_array(places));
             macro_rules! same {
                 ($operation:expr, $got:expr, |$i:ident| $scalar:expr) => {
                     let got = T::run(
@@ -158,7 +158,7 @@ operations_of_words!(operations_of_narrow_words, 32 of NarrowLanes, i16, NarrowW
 operations_of_words!(operations_of_narrow_counts, 32 of NarrowWides, i32, NarrowWideCounts, i64, NarrowWides);
 
 #[test]
-fn every_operation_gives_the_bits_of_the_scalar_reading() {
+fn every_operation_gives_the_bits_of_the_scalar_backend() {
     for set in instruction_sets() {
         (0..whole_or(20_000_u64, 4000)).into_par_iter().for_each(|index| {
             let random = &mut SplitMix64::for_element("operations", index);
@@ -180,7 +180,7 @@ fn leading_zeros_below<T: Target>(upper: u16) {
         let words = core::array::from_fn(|lane| i32::from(upper as i16) << 16 | i32::from(lower + lane as u16));
         let zeros = T::run(
             #[inline(always)]
-            || Lanes::<T>::of(words).leading_zeros(),
+            || Lanes::<T>::from_array(words).leading_zeros(),
         );
         assert_eq!(zeros.lanes(), words.map(|word| word.leading_zeros() as i32), "{words:?}");
     }
@@ -188,8 +188,8 @@ fn leading_zeros_below<T: Target>(upper: u16) {
 
 #[test]
 fn leading_zeros_are_those_of_every_word() {
-    // Without a sweep, words whose upper halves have few leading bits.
-    let upper = (0..=u16::MAX).filter(|&upper| sweep() || upper.count_ones() <= 1 || upper % 257 == 0);
+    // Without a full run, words whose upper halves have few leading bits.
+    let upper = (0..=u16::MAX).filter(|&upper| is_full_run() || upper.count_ones() <= 1 || upper % 257 == 0);
     let upper: Vec<u16> = upper.collect();
     for set in instruction_sets() {
         upper.par_iter().for_each(|&upper| check!(set => leading_zeros_below(upper)));
@@ -202,7 +202,7 @@ fn leading_zeros_of_narrow_words<T: Target>() {
         let words = core::array::from_fn(|lane| (first + lane as u16) as i16);
         let zeros = T::run(
             #[inline(always)]
-            || NarrowLanes::<T>::of(words).leading_zeros(),
+            || NarrowLanes::<T>::from_array(words).leading_zeros(),
         );
         assert_eq!(zeros.lanes(), words.map(|word| word.leading_zeros() as i32), "{words:?}");
     }

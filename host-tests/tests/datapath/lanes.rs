@@ -22,7 +22,7 @@ use roughxel_host_tests::checked::{Integers, first_difference};
 use roughxel_host_tests::space::plans;
 use roughxel_netlist::integers::integers;
 use roughxel_shader::{
-    Batch, BumpMap, BumpTexels, Bumps, ColourMap, Colours, CubeTexels, EnvironmentColours, Footprint, Footprints,
+    Batch, BumpMap, BumpTexels, Bumps, ColourMap, Colours, CubeTexels, EnvironmentColours, FaceFootprint, Footprints,
     MapTexels, Ordered, Places, Points, Ports, Reflected, Reflector, RoughBump, ShadedColour, Shader, Surfaces, Sweeps,
     TextureFootprints, WrappedMap,
 };
@@ -41,7 +41,7 @@ pub(super) fn same_wires<B: Bundle<i32>>(expected: &B, got: &B) -> Result<(), St
     if integers(expected) == integers(got) {
         return Ok(());
     }
-    Err(first_difference(&Integers::of(expected), &Integers::of(got)).unwrap_or_default())
+    Err(first_difference(&Integers::from_bundle(expected), &Integers::from_bundle(got)).unwrap_or_default())
 }
 
 /// Asserts that every wire of every fragment equals that of the scalar backend.
@@ -93,14 +93,14 @@ fn compare(inputs: &[ReflectionInput<i32>], scale: &MapScale<i32>, plan: &Reflec
             made_by_all(&sweeps, p, context, |shader, got| Sweeps(reflected).run(shader, got));
         }
         _ => {
-            let footprints = Batch::from_iter(scalar.iter().map(Footprint::of));
+            let footprints = Batch::from_iter(scalar.iter().map(FaceFootprint::from_reflection));
             made_by_all(&footprints, p, context, |shader, got| Footprints(reflected).run(shader, got));
         }
     }
 }
 
 #[test]
-fn environments_in_lanes_are_those_of_the_scalar_reading() {
+fn environments_in_lanes_are_those_of_the_scalar_backend() {
     for (name, p) in profiles() {
         (0..60_u64).into_par_iter().for_each(|index| {
             let mut random = SplitMix64::for_element(name, index);
@@ -124,7 +124,7 @@ fn environments_in_lanes_are_those_of_the_scalar_reading() {
             Sweeps(reflected).run(scalar, &mut sweeps);
             let own = Batch::from_iter(surfaces.iter().map(|_| ShadedColour {
                 channels: [(); 3].map(|()| Fx::from_raw(random.below(64 << 24) as i32)),
-                taps: Fx::from_raw(0),
+                samples: Fx::from_raw(0),
             }));
             let reflectance = [(); 3].map(|()| Fx::from_raw(random.below(0x1_0001) as i32));
             let is_rough = random.below(2) == 1;
@@ -179,7 +179,7 @@ pub(super) fn random_views(
 }
 
 #[test]
-fn repeated_maps_in_lanes_are_those_of_the_scalar_reading() {
+fn repeated_maps_in_lanes_are_those_of_the_scalar_backend() {
     for (name, p) in profiles() {
         (0..120_u64).into_par_iter().for_each(|index| {
             let mut random = SplitMix64::for_element(name, index);
@@ -262,7 +262,7 @@ fn scale_of(inputs: &[ReflectionInput<i32>], p: &Precision) -> MapScale<i32> {
 }
 
 #[test]
-fn every_hard_case_gives_the_bits_of_the_scalar_reading() {
+fn every_hard_case_gives_the_bits_of_the_scalar_backend() {
     let plans = plans();
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
@@ -277,7 +277,7 @@ fn every_hard_case_gives_the_bits_of_the_scalar_reading() {
 }
 
 #[test]
-fn random_fragments_give_the_bits_of_the_scalar_reading() {
+fn random_fragments_give_the_bits_of_the_scalar_backend() {
     let plans = plans();
     for (name, p) in profiles() {
         (0..160_u64).into_par_iter().for_each(|batch| {
@@ -345,7 +345,7 @@ fn fragments_of_one_frame_have_the_surface_that_each_has_alone() {
 }
 
 #[test]
-fn wires_that_no_port_carries_give_the_bits_of_the_scalar_reading() {
+fn wires_that_no_port_carries_give_the_bits_of_the_scalar_backend() {
     let plans = plans();
     for (name, p) in profiles() {
         (0..200_u64).into_par_iter().for_each(|index| {
@@ -365,7 +365,7 @@ fn a_group_holds_fragments_of_different_faces_and_probe_counts() {
     let scale = scale_of(&inputs, &p);
     let ports = Ports::from_iter(inputs.iter().copied());
     let footprints = ports.footprints(Shader::new(Backend::best(), &p), &scale, &ReflectionPlan::FULL);
-    let distinct = |of: fn(&Footprint<i32>) -> i32| {
+    let distinct = |of: fn(&FaceFootprint<i32>) -> i32| {
         let mut values: Vec<_> = footprints.iter().map(|footprint| of(&footprint)).collect();
         values.sort_unstable();
         values.dedup();
@@ -387,7 +387,7 @@ fn batches_of_any_length_come_back_in_order() {
 }
 
 #[test]
-fn texture_footprints_in_lanes_are_those_of_the_scalar_reading() {
+fn texture_footprints_in_lanes_are_those_of_the_scalar_backend() {
     for (name, p) in profiles() {
         (0..2000_u64).into_par_iter().for_each(|index| {
             let mut bits = AnyBits(SplitMix64::for_element(name, index));

@@ -1,6 +1,6 @@
 //! Lemmas behind the claims on wires: bounds that an interval walk cannot find, for every possible precision.
 //!
-//! A claim in the core names its lemma, and the lemma is the test of that name. In a sweep, mantissas are exhausted for every p up to 24 fraction
+//! A claim in the core names its lemma, and the lemma is the test of that name. In a full run, mantissas are exhausted for every p up to 24 fraction
 //! bits, for 26 (`precise`) and 28. Monotone functions are tried at their end and also exhausted for small p. On 16-bit words, which have 12 to 14
 //! fraction bits, mantissas are always exhausted.
 
@@ -48,7 +48,7 @@ fn precisions<W: Word>() -> Vec<Precision> {
     list
 }
 
-/// Runs `check` for every mantissa from ½ to 1 that a profile keeps; without a sweep, for about 2^17 of them and both ends.
+/// Runs `check` for every mantissa from ½ to 1 that a profile keeps; without a full run, for about 2^17 of them and both ends.
 fn for_every_mantissa<W: Word>(p: &Precision, check: impl Fn(i64) + Sync) {
     let dropped = fraction::<W>() - p.fraction_bits;
     // As i32, which a parallel iterator can step through.

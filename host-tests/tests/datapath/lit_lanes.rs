@@ -13,7 +13,7 @@ use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::setup::shininess;
 use roughxel_core::signals::{LocalDirection, PeakSum, TexturePosition, WrappedFootprint};
 use roughxel_core::width::on_words;
-use roughxel_core::wrapped::{self, Tap, View};
+use roughxel_core::wrapped::{self, Neighbours, View};
 use roughxel_shader::{
     Batch, GivenPeaks, Halves, Highlights, HorizonSlopes, LightOnPeaks, Lit, MOST_PEAKS, PackedPeak, PeakTexels,
     PeaksRead, Places, Ports, ShadedColour, Shader, Slopes, Surfaces, WrappedMap,
@@ -45,7 +45,7 @@ const PLAN: SurfacePlan =
 /// Light that a source of this colour adds for the share `returned`.
 fn shown(returned: Control<i32, LIGHT>, colour: &[Control<i32, LIGHT>; 3]) -> ShadedColour<i32> {
     let channels = colour.map(|channel| datapath::pixel::modulated::<i32>(returned, channel));
-    ShadedColour { channels, taps: Fx::from_raw(0) }
+    ShadedColour { channels, samples: Fx::from_raw(0) }
 }
 
 fn any_colour(random: &mut SplitMix64) -> [Control<i32, LIGHT>; 3] {
@@ -169,12 +169,13 @@ fn texel_light(texel: i32, of: &RandomPeaks, half: &LocalDirection<i32>, slopes:
 
 /// Mean value of the texels of a map over a fragment's footprint, and the number of bilinear samples read.
 fn mean<W: Fetch>(view: &View<'_, W>, light: &dyn Fn(i32) -> i32, p: &Precision) -> ShadedColour<W> {
-    let quad = |tap: &Tap<W>, _| {
-        let texels = tap.texels.map(|texel| W::per_lane([texel.raw()], |[texel]| [light(texel)]).map(Fx::from_raw));
-        texel::Quad { texels, weight: tap.weight }
+    let quad = |neighbours: &Neighbours<W>, _| {
+        let texels =
+            neighbours.texels.map(|texel| W::per_lane([texel.raw()], |[texel]| [light(texel)]).map(Fx::from_raw));
+        texel::Quad { texels, weight: neighbours.weight }
     };
     let mean = wrapped::mean(view, quad, texel::word_samples::<W, 1>, |sample| sample, p);
-    ShadedColour { channels: [mean.channels[0].reread(); 3], taps: mean.taps }
+    ShadedColour { channels: [mean.channels[0].reread(); 3], samples: mean.samples }
 }
 
 fn averaged(
@@ -205,14 +206,14 @@ fn peaks_of_maps_in_lanes_are_those_of_each_texel() {
             let colour = any_colour(&mut bits.0);
             for footprints in [None, Some(&probes)] {
                 let places = Places { centres: &centres, footprints };
-                let mut taps = 0;
+                let mut samples = 0;
                 let expected = Batch::from_iter((0..centres.len()).map(|fragment| {
                     let (surface, light) = (surfaces.get(fragment), lights.get(fragment));
                     let (half, slopes) = (half(&surface, &light, &p), slopes(&surface, &light, &p));
                     let light = |texel| texel_light(texel, of, &half, &slopes, &p);
                     let probes = footprints.map(|probes| probes.get(fragment));
                     let mean = averaged(&centres.get(fragment), probes.as_ref(), map, &light, &p);
-                    taps += mean.taps.raw() as u64;
+                    samples += mean.samples.raw() as u64;
                     shown(mean.channels[0], &colour)
                 }));
                 let (mut halves, mut slopes) = (Batch::default(), Batch::default());
@@ -226,7 +227,7 @@ fn peaks_of_maps_in_lanes_are_those_of_each_texel() {
                     // Twice: data that a batch leaves in the memory of the next one changes nothing.
                     for turn in 0..2 {
                         let context = || format!("{name} {index}, {backend}, {footprints:?}, turn {turn}");
-                        assert_eq!(read.read(map, places, shader), taps, "{}", context());
+                        assert_eq!(read.read(map, places, shader), samples, "{}", context());
                         read.shine(&light, shader, &mut got);
                         same_columns(&expected, &got, &context);
                     }

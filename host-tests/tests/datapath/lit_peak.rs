@@ -10,7 +10,7 @@ use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
 use roughxel_core::ports::{BlockVector, LIGHT, PeakIn, PeakInput, PeakOut, Port};
 use roughxel_core::precision::Precision;
-use roughxel_core::setup::{real_peak, real_vector};
+use roughxel_core::setup::{RealPeak, real_peak, real_vector};
 use roughxel_core::staged::Staged;
 use roughxel_core::status::StatusBit;
 use roughxel_core::width::on_words;
@@ -103,7 +103,7 @@ fn visibility_and_light_are_what_the_reference_makes_of_the_stages_before_them()
             let visibility = out.visibility.to_num::<f64>();
             let lit = if raised(&out, StatusBit::LightBelowSurface) { 0.0 } else { 1.0 };
             let share = case.weight.to_num::<f64>().clamp(0.0, 1.0) * visibility * lit;
-            let (normal, a, n) = real_peak(&case.peak);
+            let RealPeak { normal, amplitude: a, exponent: n } = real_peak(&case.peak);
             let direction = out.local_half.map(|m| m.to_num::<f64>());
             // Random bits are no unit vectors, and their exponents have no bar.
             let plausible = (normal.length() - 1.0).abs() < 2.0_f64.powi(-14) && n <= 8192.0;

@@ -245,7 +245,7 @@ fn status_bits_say_exactly_what_they_are_documented_to_say() {
             let plan = ReflectionPlan { frame, ..ReflectionPlan::FULL };
             everywhere(name, &p, 20_000, |fragment| {
                 let stages = stages(fragment, &plan, &p);
-                let out = ReflectionOut::of(&leave(&stages));
+                let out = ReflectionOut::from_wires(&leave(&stages));
                 let said =
                     |bit: StatusBit, holds: bool| assert_eq!(raised(&out, bit), holds, "{bit:?} of {fragment:?}");
 

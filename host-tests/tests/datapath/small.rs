@@ -50,7 +50,7 @@ fn same_reflection(fragment: &ReflectionIn, effects: &Effects, p: &Precision) {
 }
 
 #[test]
-fn hard_cases_have_the_bits_of_the_scalar_reading() {
+fn hard_cases_have_the_bits_of_the_scalar_backend() {
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
             set.cases.iter().for_each(|case| same_reflection(case, &set.plan.into(), &p));
@@ -67,7 +67,7 @@ fn hard_cases_have_the_bits_of_the_scalar_reading() {
 }
 
 #[test]
-fn random_fragments_have_the_bits_of_the_scalar_reading_in_every_plan() {
+fn random_fragments_have_the_bits_of_the_scalar_backend_in_every_plan() {
     for (_, p) in profiles() {
         let plans = effects(Some(Datapath::Reflection));
         for index in 0..whole_or(200_000, 4_000) {

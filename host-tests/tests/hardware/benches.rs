@@ -7,7 +7,7 @@ use std::process::Command;
 use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 use roughxel_host_tests::simulators::{bench_script, have};
-use roughxel_vectors::{Bench, BenchError, Device, SetInfo, Words, export_with, random_set};
+use roughxel_vectors::{Device, SetInfo, Testbench, TestbenchError, Words, export_with, random_set};
 use tempfile::TempDir;
 
 /// A testbench of 64 vectors of a mirror under `narrow`, which every tool builds in seconds.
@@ -17,10 +17,10 @@ struct Written {
 
 impl Written {
     fn new(device: Device) -> Self {
-        Self::of(device, Words::default())
+        Self::with_words(device, Words::default())
     }
 
-    fn of(device: Device, words: Words) -> Self {
+    fn with_words(device: Device, words: Words) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let precision = Precision::NARROW;
         let info = SetInfo::new("bench", Datapath::Reflection, Effects::NONE, "narrow", precision);
@@ -33,8 +33,8 @@ impl Written {
         written
     }
 
-    fn read(&self) -> Result<Bench, BenchError> {
-        Bench::new(&self.directory.path().join("bench_narrow.json"))
+    fn read(&self) -> Result<Testbench, TestbenchError> {
+        Testbench::new(&self.directory.path().join("bench_narrow.json"))
     }
 
     fn bench(&self) -> PathBuf {
@@ -133,7 +133,7 @@ fn a_set_without_taps_has_a_bench_whose_generated_device_leaves_them_open() {
     if !have("iverilog") {
         return;
     }
-    let written = Written::of(Device::Generated, Words { taps: false, ..Words::default() });
+    let written = Written::with_words(Device::Generated, Words { taps: false, ..Words::default() });
     let device = fs::read_to_string(written.bench().join("bench_narrow_device.sv")).expect("the device");
     assert!(device.contains("\n    .out_reflected_mantissa_0_i2f14(),\n"), "{device}");
     let (code, text) = written.run(&["icarus"]);

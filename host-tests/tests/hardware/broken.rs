@@ -7,7 +7,7 @@ use std::process::Command;
 use rayon::prelude::*;
 use roughxel_host_tests::simulators::have;
 use roughxel_host_tests::space::whole_or;
-use roughxel_vectors::{Bench, Device};
+use roughxel_vectors::{Device, Testbench};
 
 /// Fault of an operator.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +40,7 @@ impl OperatorFault {
     }
 
     /// The module with its operator `place` (from 0, below the ports) broken.
-    fn of(self, module: &str, place: usize) -> Option<String> {
+    fn applied_to(self, module: &str, place: usize) -> Option<String> {
         let (operator, instead) = self.texts();
         let ports = module.find(");\n")?;
         let (at, _) = module[ports..].match_indices(operator).nth(place)?;
@@ -108,14 +108,14 @@ fn the_smoke_set_finds_every_broken_copy_and_names_its_stage() {
         return;
     }
     let set = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vectors/smoke/random_standard.json");
-    let bench = Bench::new(&set).expect("the committed set");
+    let bench = Testbench::new(&set).expect("the committed set");
     let broken: Vec<_> = BROKEN.iter().step_by(whole_or(1, 6)).collect();
     broken.into_par_iter().for_each(|&(module, slip, place, stage)| {
         let directory = tempfile::tempdir().expect("a temporary directory");
         bench.write(directory.path(), Device::Generated, false).expect("the testbench can be written");
         let path = directory.path().join(format!("rtl/{module}.v"));
         let text = fs::read_to_string(&path).expect("the module");
-        let copy = slip.of(&text, place).unwrap_or_else(|| panic!("{module} has no operator {slip:?} {place}"));
+        let copy = slip.applied_to(&text, place).unwrap_or_else(|| panic!("{module} has no operator {slip:?} {place}"));
         assert_ne!(copy, text);
         fs::write(&path, copy).expect("the module can be written");
 

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::sync::LazyLock;
 
 use roughxel_host_tests::simulators::have;
-use roughxel_vectors::{Bench, Device, Direction, Field, Manifest, c_library_files, manifests_in};
+use roughxel_vectors::{Device, Direction, Field, Manifest, Testbench, c_library_files, manifests_in};
 
 use super::benches::run_bench;
 
@@ -15,15 +15,20 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The static library, built once as vectors/README.md describes.
+/// The line of vectors/README.md that begins with this word.
+fn line_of_the_page(word: &str) -> String {
+    let page = fs::read_to_string(root().join("vectors/README.md")).expect("the page");
+    let line = page.lines().find_map(|line| line.strip_prefix(word));
+    line.unwrap_or_else(|| panic!("the page has a line with {word}")).to_owned()
+}
+
+/// The static library, built once by the command of vectors/README.md.
 static LIBRARY: LazyLock<PathBuf> = LazyLock::new(|| {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
-    let target = root().join("target/c-library");
-    let arguments = ["rustc", "-p", "roughxel-c", "--profile", "c-library", "--crate-type", "staticlib", "--locked"];
-    let built = Command::new(cargo).args(arguments).arg("--target-dir").arg(&target).current_dir(root()).output();
-    let built = built.expect("cargo runs");
+    let line = line_of_the_page("cargo ");
+    let built = Command::new(cargo).args(line.split_whitespace()).current_dir(root()).output().expect("cargo runs");
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    target.join("c-library/libroughxel_c.a")
+    root().join("target/c-library/c-library/libroughxel_c.a")
 });
 
 /// The compiled harness.
@@ -148,6 +153,14 @@ fn the_example_computes_a_reflection() {
     let program = compiled(&root().join("vectors/c/example.c"), "cc", "-std=c99", &directory.path().join("example"));
     let lines = run(&program, &["1"], "");
     assert_eq!(lines[0], "reflected (-262144, 0, 524288) * 2^1 / 2^20");
+
+    // The command of the page, with its program in the temporary directory.
+    let program = directory.path().join("by_the_page");
+    let line = line_of_the_page("cc ").replace("-o example && ./example", "-o \"$0\" && \"$0\" 1");
+    let output = Command::new("sh").arg("-c").arg(format!("cc {line}")).arg(&program).current_dir(root()).output();
+    let output = output.expect("a shell runs");
+    assert!(output.status.success() && program.is_file(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8_lossy(&output.stdout).starts_with(&lines[0]), "{output:?}");
 }
 
 /// The archive's own part, without the compiler's run-time library: a library that is linked into firmware cannot end the program.
@@ -174,7 +187,7 @@ fn the_generated_verilog_is_the_library_on_random_inputs_and_a_broken_device_is_
         return;
     }
     let directory = tempfile::tempdir().expect("a temporary directory");
-    let bench = Bench::new(&root().join("vectors/smoke/random_peak_compact.json")).expect("a set");
+    let bench = Testbench::new(&root().join("vectors/smoke/random_peak_compact.json")).expect("a set");
     bench.write(directory.path(), Device::Generated, false).expect("a testbench");
     let (code, text) = random_inputs(directory.path(), &[]);
     assert!(code == Some(1) && text.contains("libroughxel_c.a is not there"), "{text}");

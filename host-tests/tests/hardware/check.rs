@@ -23,7 +23,7 @@ use tempfile::TempDir;
 const NAME: &str = "random";
 
 /// A set and devices of its datapath.
-struct Bench {
+struct Devices {
     directory: TempDir,
     manifest: Manifest,
     net: Net,
@@ -32,13 +32,13 @@ struct Bench {
     ports: Vec<Vec<i64>>,
 }
 
-impl Bench {
+impl Devices {
     fn new(datapath: Datapath, effects: Effects, profile: Profile, taps: bool, count: u64) -> Self {
-        Self::of((0..count).collect(), datapath, effects, profile, taps)
+        Self::from_numbers((0..count).collect(), datapath, effects, profile, taps)
     }
 
     /// Builds a set from random inputs with these numbers.
-    fn of(numbers: Vec<u64>, datapath: Datapath, effects: Effects, profile: Profile, taps: bool) -> Self {
+    fn from_numbers(numbers: Vec<u64>, datapath: Datapath, effects: Effects, profile: Profile, taps: bool) -> Self {
         let precision = profile.precision();
         let directory = tempfile::tempdir().expect("a temporary directory");
         let words = Words { taps, ..Words::default() };
@@ -46,7 +46,7 @@ impl Bench {
         let input = |index: u64| random_set(datapath, NAME, numbers[index as usize], &precision);
         let ports = (0..numbers.len() as u64).map(|index| input(index).recorded(&precision)).collect();
         let manifest = export_with(&info, numbers.len() as u64, &input, directory.path(), &|_| {});
-        let net = record::net(Design::of(datapath), &effects, &precision);
+        let net = record::net(Design::for_datapath(datapath), &effects, &precision);
         let primitives = net.primitives(precision.fraction_bits);
         Self { directory, manifest: manifest.expect("a set"), net, primitives, ports }
     }
@@ -150,17 +150,17 @@ fn every_reciprocal_and_root_of_a_design_is_found() {
         (Datapath::Peak, Effects::ALL),
     ] {
         for profile in [Profile::Standard, Profile::Narrow] {
-            let bench = Bench::new(datapath, effects, profile, true, 1);
+            let devices = Devices::new(datapath, effects, profile, true, 1);
             let mut stages: Vec<(&str, usize)> = Vec::new();
-            for primitive in &bench.primitives {
+            for primitive in &devices.primitives {
                 match stages.last_mut() {
-                    Some((stage, count)) if *stage == bench.stage(primitive) => *count += 1,
-                    _ => stages.push((bench.stage(primitive), 1)),
+                    Some((stage, count)) if *stage == devices.stage(primitive) => *count += 1,
+                    _ => stages.push((devices.stage(primitive), 1)),
                 }
             }
-            let seeds = bench.net.iter().filter(|(id, node)| {
+            let seeds = devices.net.iter().filter(|(id, node)| {
                 matches!(node.op, Op::Lookup(..)) && {
-                    let line = bench.net.origin(*id);
+                    let line = devices.net.origin(*id);
                     let source = include_str!("../../../core/src/elementary.rs");
                     let number: usize =
                         line.split([':', ' ']).nth(1).and_then(|text| text.parse().ok()).expect("a line");
@@ -169,7 +169,7 @@ fn every_reciprocal_and_root_of_a_design_is_found() {
                         && (text.contains("rom::reciprocal") || text.contains("rom::inverse_root"))
                 }
             });
-            assert_eq!(bench.primitives.len(), seeds.count(), "a primitive a seed");
+            assert_eq!(devices.primitives.len(), seeds.count(), "a primitive a seed");
             found.push(stages);
         }
     }
@@ -190,13 +190,13 @@ fn a_device_with_neighbours_is_faithful_and_not_exact() {
         (Datapath::Peak, Effects::ALL),
     ] {
         for profile in [Profile::Standard, Profile::Narrow] {
-            let bench = Bench::new(datapath, effects, profile, true, whole_or(1000, 60));
-            let count = bench.manifest.count;
-            let ours = bench.check(&bench.with_primitives(|_, _| 0), Tier::Exact).expect("checked");
+            let devices = Devices::new(datapath, effects, profile, true, whole_or(1000, 60));
+            let count = devices.manifest.count;
+            let ours = devices.check(&devices.with_primitives(|_, _| 0), Tier::Exact).expect("checked");
             assert_eq!((ours.exact, ours.failures.len()), (count, 0), "{datapath:?} {profile:?}");
             for (what, places) in [("up", (|_, _| 1) as fn(usize, usize) -> i64), ("down", |_, _| -1), ("any", choice)]
             {
-                let checked = bench.check(&bench.with_primitives(places), Tier::Faithful).expect("checked");
+                let checked = devices.check(&devices.with_primitives(places), Tier::Faithful).expect("checked");
                 println!("{datapath:?} {:?} {profile:?} {what}: {} exact of {count}", effects.footprint, checked.exact);
                 assert_eq!(checked.passing, count, "{datapath:?} {profile:?} {what}: {:#?}", checked.failures);
                 assert!(checked.exact < count / 2, "{datapath:?} {profile:?} {what}: {} exact", checked.exact);
@@ -207,13 +207,13 @@ fn a_device_with_neighbours_is_faithful_and_not_exact() {
 
 #[test]
 fn a_root_two_last_places_off_is_not_faithful_and_its_stage_is_named() {
-    let bench =
-        Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, whole_or(1000, 60));
-    for (number, primitive) in bench.primitives.iter().enumerate() {
-        let words = bench.with_primitives(|_, of| if of == number { 2 } else { 0 });
-        let checked = bench.check(&words, Tier::Faithful).expect("checked");
+    let devices =
+        Devices::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, whole_or(1000, 60));
+    for (number, primitive) in devices.primitives.iter().enumerate() {
+        let words = devices.with_primitives(|_, of| if of == number { 2 } else { 0 });
+        let checked = devices.check(&words, Tier::Faithful).expect("checked");
         // The last bits of a quotient of `cube_face` show in the columns, which read it, too.
-        let stages: &[&str] = match bench.stage(primitive) {
+        let stages: &[&str] = match devices.stage(primitive) {
             "cube_face" => &["cube_face", "columns"],
             "axes" => &["axes", "probes"],
             stage => &[stage],
@@ -231,13 +231,13 @@ fn a_root_two_last_places_off_is_not_faithful_and_its_stage_is_named() {
 #[test]
 fn without_taps_few_choices_are_checked_and_many_are_refused() {
     for datapath in Datapath::ALL {
-        let bench = Bench::new(datapath, effects(FootprintKind::Face), Profile::Standard, false, 20);
-        let error = bench.check(&bench.with_primitives(choice), Tier::Faithful).expect_err("too many").to_string();
+        let devices = Devices::new(datapath, effects(FootprintKind::Face), Profile::Standard, false, 20);
+        let error = devices.check(&devices.with_primitives(choice), Tier::Faithful).expect_err("too many").to_string();
         assert!(error.contains(" there are more than 729 choices of neighbours; check it with a set with"), "{error}");
     }
     // Two of `frame` and one of the face.
-    let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::None), Profile::Standard, false, 20);
-    let checked = bench.check(&bench.with_primitives(choice), Tier::Faithful).expect("checked");
+    let devices = Devices::new(Datapath::Reflection, effects(FootprintKind::None), Profile::Standard, false, 20);
+    let checked = devices.check(&devices.with_primitives(choice), Tier::Faithful).expect("checked");
     assert!(checked.passing == 20 && checked.exact < 10, "{checked:?}");
 }
 
@@ -252,15 +252,15 @@ const ALL: [(Datapath, FootprintKind); 4] = [
 fn a_device_that_rounds_in_its_own_way_is_within_bounds_and_decides_otherwise_where_it_is_marked() {
     for (datapath, footprint) in ALL {
         for profile in [Profile::Standard, Profile::Compact, Profile::Narrow] {
-            let bench = Bench::new(datapath, effects(footprint), profile, true, whole_or(400, 30));
-            let count = bench.manifest.count;
+            let devices = Devices::new(datapath, effects(footprint), profile, true, whole_or(400, 30));
+            let count = devices.manifest.count;
             for places in [1, 4] {
-                let words = bench.rounded_otherwise(places.into());
-                let checked = bench.check(&words, Tier::Bound { places }).expect("checked");
+                let words = devices.rounded_otherwise(places.into());
+                let checked = devices.check(&words, Tier::Bound { places }).expect("checked");
                 let what = format!("{datapath:?} {footprint:?} {profile:?}, {places} places");
                 assert_eq!(checked.passing, count, "{what}: {:#?}", checked.failures);
                 assert!(checked.exact < count / 10, "{what}: {} exact", checked.exact);
-                let marked = bench.ambiguous(places).marked.len() as u64;
+                let marked = devices.ambiguous(places).marked.len() as u64;
                 assert!(marked < count / 2, "{what}: {marked} marked");
             }
         }
@@ -272,33 +272,33 @@ fn a_device_that_rounds_in_its_own_way_is_within_bounds_and_decides_otherwise_wh
 #[test]
 fn close_behind_a_threshold_of_the_count_a_share_is_within_bounds() {
     let (datapath, effects) = (Datapath::Reflection, effects(FootprintKind::Sphere));
-    let any = Bench::new(datapath, effects, Profile::Standard, true, 1000).ambiguous(4);
+    let any = Devices::new(datapath, effects, Profile::Standard, true, 1000).ambiguous(4);
     let counted = |marked: &&AmbiguousVector| marked.fields.iter().any(|name| name == "probes");
     let near = any.marked.iter().find(counted).expect("one near a threshold").index;
-    let devices = vec![near; whole_or(1000, 100)];
-    let count = devices.len() as u64;
-    let bench = Bench::of(devices, datapath, effects, Profile::Standard, true);
-    let marked = bench.ambiguous(4).marked.len() as u64;
+    let numbers = vec![near; whole_or(1000, 100)];
+    let count = numbers.len() as u64;
+    let devices = Devices::from_numbers(numbers, datapath, effects, Profile::Standard, true);
+    let marked = devices.ambiguous(4).marked.len() as u64;
     assert_eq!(marked, count, "the threshold is in reach");
-    let checked = bench.check(&bench.rounded_otherwise(4), Tier::Bound { places: 4 }).expect("checked");
+    let checked = devices.check(&devices.rounded_otherwise(4), Tier::Bound { places: 4 }).expect("checked");
     assert_eq!(checked.passing, count, "{:#?}", checked.failures);
 }
 
 #[test]
 fn a_wrong_sign_and_another_face_are_beyond_bounds() {
-    let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, 100);
-    let node = |name: &str| bench.net.outputs.iter().find(|output| output.name == name).expect("an output").node;
+    let devices = Devices::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, 100);
+    let node = |name: &str| devices.net.outputs.iter().find(|output| output.name == name).expect("an output").node;
     let wrong_sign = node("reflected.mantissa[1]");
     let face = node("face");
     let tier = Tier::Bound { places: 4 };
-    let checked = bench.check(&bench.device(|_, id, value| if id == wrong_sign { -value } else { value }), tier);
+    let checked = devices.check(&devices.device(|_, id, value| if id == wrong_sign { -value } else { value }), tier);
     let checked = checked.expect("checked");
     assert_eq!((checked.passing, checked.failures[0].stage.as_str()), (0, "reflect"));
     assert!(checked.failures[0].within.is_some_and(|places| places < 1000.0), "{:?}", checked.failures[0]);
-    let checked = bench.check(&bench.device(|_, id, value| if id == face { (value + 1) % 6 } else { value }), tier);
+    let checked = devices.check(&devices.device(|_, id, value| if id == face { (value + 1) % 6 } else { value }), tier);
     let checked = checked.expect("checked");
     let of_face =
-        bench.ambiguous(4).marked.iter().filter(|marked| marked.fields.iter().any(|name| name == "face")).count();
+        devices.ambiguous(4).marked.iter().filter(|marked| marked.fields.iter().any(|name| name == "face")).count();
     assert!(checked.passing <= of_face as u64, "{checked:?}");
     assert_eq!((checked.failures[0].field.as_str(), checked.failures[0].within), ("face", None));
 }
@@ -308,9 +308,9 @@ fn a_wrong_sign_and_another_face_are_beyond_bounds() {
 fn a_root_of_another_make_in_a_simulator_is_faithful_or_within_bounds() {
     let tools = [("icarus", "iverilog"), ("verilator", "verilator")];
     let tools = tools.into_iter().take(whole_or(2, 1)).filter(|(_, program)| have(program));
-    let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Narrow, true, 30);
-    let written = roughxel_vectors::Bench::new(&bench.manifest_path()).expect("a set");
-    let folder = bench.directory.path().join("bench");
+    let devices = Devices::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Narrow, true, 30);
+    let written = roughxel_vectors::Testbench::new(&devices.manifest_path()).expect("a set");
+    let folder = devices.directory.path().join("bench");
     assert!(written.write(&folder, roughxel_vectors::Device::Generated, false).expect("a testbench").is_empty());
     let module = folder.join("rtl/frame.v");
     let text = fs::read_to_string(&module).expect("the module");
@@ -323,14 +323,14 @@ fn a_root_of_another_make_in_a_simulator_is_faithful_or_within_bounds() {
             (2, "_add - 16'd3;", Tier::Bound { places: 2 }, 30),
         ] {
             fs::write(&module, text.replacen("_add + 16'd1;", instead, 1)).expect("the module can be written");
-            let got = bench.directory.path().join("got.hex");
+            let got = devices.directory.path().join("got.hex");
             let mut run = bench_script(&folder.join("run.sh"));
             run.args([tool, "--stop", "1", "--got"]).arg(&got);
             let output = run.output().expect("a shell");
             let printed = String::from_utf8_lossy(&output.stdout);
             assert_eq!(output.status.code(), Some(if less == 0 { 0 } else { 3 }), "{printed}");
             assert!(!printed.contains(" #1: "), "more than one vector is printed: {printed}");
-            let checked = check(&got, &bench.manifest_path(), tier, &|_| {}).expect("checked");
+            let checked = check(&got, &devices.manifest_path(), tier, &|_| {}).expect("checked");
             // A root of a zero, or one that is rounded away, is the same.
             let right = if passing == 0 { checked.passing < 3 } else { checked.passing == passing };
             assert!(right, "{tool}, {less} less: {} pass {:#?}", checked.passing, checked.failures);
@@ -346,7 +346,7 @@ fn a_stage_alone_is_checked() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let (precision, effects) = (Profile::Standard.precision(), effects(FootprintKind::Face));
     let (datapath, profile) = (Datapath::Reflection, Profile::Standard.name());
-    let set = StageSet::of(datapath, &effects, &precision, Some("frame")).expect("frame").remove(0);
+    let set = StageSet::select(datapath, &effects, &precision, Some("frame")).expect("frame").remove(0);
     let info = SetInfo::new(NAME, datapath, effects, profile, precision);
     let input = |index| random_set(datapath, NAME, index, &precision);
     let manifest =
@@ -354,7 +354,7 @@ fn a_stage_alone_is_checked() {
     let words_path = directory.path().join(&manifest.files[0].name);
 
     let options = Options { stage: Some("frame".to_owned()), ..Options::new("", precision, effects) };
-    let stage = record::stages(Design::of(datapath), &options).expect("frame").stages.remove(0);
+    let stage = record::stages(Design::for_datapath(datapath), &options).expect("frame").stages.remove(0);
     let net = &stage.unit;
     let primitives = net.primitives(precision.fraction_bits);
     assert_eq!(primitives.len(), 2);
@@ -401,39 +401,39 @@ fn a_stage_alone_is_checked() {
 
 #[test]
 fn other_inputs_and_other_counts_are_told() {
-    let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, 3);
-    let mut words = bench.words();
+    let devices = Devices::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, 3);
+    let mut words = devices.words();
     let digit = if words[1].starts_with('0') { "1" } else { "0" };
     words[1].replace_range(0..1, digit);
     for tier in [Tier::Exact, Tier::Faithful] {
-        let checked = bench.check(&words, tier).expect("checked");
+        let checked = devices.check(&words, tier).expect("checked");
         assert_eq!((checked.exact, checked.passing), (2, 2));
         let failing = &checked.failures[0];
         assert_eq!((failing.index, failing.stage.as_str(), failing.field.as_str()), (1, "input", "normal_x"));
     }
-    let error = bench.check(&words[..2], Tier::Exact).expect_err("too few").to_string();
-    assert!(error.ends_with("got.txt: fewer words than the set, which has 3; a bench writes one word for each vector, in the order of the set"), "{error}");
+    let error = devices.check(&words[..2], Tier::Exact).expect_err("too few").to_string();
+    assert!(error.ends_with("got.txt: fewer words than the set, which has 3; a testbench writes one word for each vector, in the order of the set"), "{error}");
     words.push(words[0].clone());
-    let error = bench.check(&words, Tier::Exact).expect_err("too many").to_string();
+    let error = devices.check(&words, Tier::Exact).expect_err("too many").to_string();
     assert!(error.contains("more words than the set"), "{error}");
     words[2] = words[2].replacen('_', "_x", 1);
-    let error = bench.check(&words[..3], Tier::Exact).expect_err("an unknown bit").to_string();
+    let error = devices.check(&words[..3], Tier::Exact).expect_err("an unknown bit").to_string();
     assert!(error.contains("got.txt:3: "), "{error}");
 }
 
 /// Results computed from a neighbouring value are exact: only the neighbour's own result may differ in its last bit.
 #[test]
 fn a_wrong_bit_behind_a_neighbour_is_named() {
-    let bench = Bench::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, 20);
-    let output = bench.net.outputs.iter().find(|output| output.name.starts_with("reflected")).expect("r");
+    let devices = Devices::new(Datapath::Reflection, effects(FootprintKind::Face), Profile::Standard, true, 20);
+    let output = devices.net.outputs.iter().find(|output| output.name.starts_with("reflected")).expect("r");
     let bit = 1 << (output.fraction_bits - 20);
-    let first = bench.primitives[0];
-    let words = bench.device(|_, id, value| match id {
+    let first = devices.primitives[0];
+    let words = devices.device(|_, id, value| match id {
         _ if id == first.node => (value + first.last_place).min(first.one),
         _ if id == output.node => value ^ bit,
         _ => value,
     });
-    let checked = bench.check(&words, Tier::Faithful).expect("checked");
+    let checked = devices.check(&words, Tier::Faithful).expect("checked");
     assert_eq!((checked.passing, checked.failures.len()), (0, 10));
     for (index, failing) in (0..).zip(&checked.failures) {
         assert_eq!((failing.index, failing.stage.as_str()), (index, "reflect"), "{failing:?}");

@@ -8,9 +8,10 @@ use std::process::{Command, Output};
 use roughxel_core::plan::{Datapath, Effects, FootprintKind};
 use roughxel_core::precision::Precision;
 use roughxel_host_tests::simulators::{have, hdl, run};
-use roughxel_host_tests::space::{effects, in_turn, profiles, sweep, whole_or};
+use roughxel_host_tests::space::{effects, in_turn, is_full_run, profiles, whole_or};
 use roughxel_vectors::{
-    Form, Manifest, RANDOM_SETS, SetExport, SetInfo, Shard, Words, export_with, hard_sets, manifests_in, random_set,
+    Form, Manifest, RANDOM_SETS, RandomSetSummary, SetExport, SetInfo, Shard, Words, export_with, hard_sets,
+    manifests_in, random_set,
 };
 
 /// A file of `vectors`.
@@ -33,7 +34,7 @@ fn right(output: &Output) -> usize {
 /// Exports `count` vectors of a random set, named after its datapath and `number`.
 fn random(directory: &Path, number: usize, effects: Effects, datapath: Datapath, of: (&str, Precision), count: u64) {
     let (profile, precision) = of;
-    let name = format!("{}_{number}", RANDOM_SETS[datapath as usize].0);
+    let name = format!("{}_{number}", RANDOM_SETS[datapath as usize].name);
     let info = SetInfo { seed: Some(&name), ..SetInfo::new(&name, datapath, effects, profile, precision) };
     let input = |index| random_set(datapath, &name, index, &precision);
     export_with(&info, count, &input, directory, &|_| {}).expect("a set is written");
@@ -56,7 +57,7 @@ fn the_python_model_reads_records_and_words_without_taps() {
     }
     let directory = tempfile::tempdir().expect("a temporary directory");
     for (profile, precision) in profiles() {
-        for (name, datapath, description) in RANDOM_SETS {
+        for RandomSetSummary { name, datapath, description } in RANDOM_SETS {
             let words = Words { taps: false, form: Form::Bin };
             let of_all = SetInfo::new(name, datapath, Effects::ALL, profile, precision);
             let info = SetInfo { description, seed: Some(name), words, ..of_all };
@@ -214,7 +215,7 @@ fn the_verilog_written_by_hand_is_right_on_the_committed_sets() {
         return;
     }
     let script = hdl("handwritten/run.sh");
-    if sweep() {
+    if is_full_run() {
         run(Command::new("sh").arg(script));
         return;
     }

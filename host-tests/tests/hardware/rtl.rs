@@ -19,7 +19,7 @@ use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
 use roughxel_host_tests::designs::scalar;
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
-use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
+use roughxel_host_tests::space::{in_turn, is_full_run, profiles, whole_or};
 use roughxel_netlist::bench::Bench;
 use roughxel_netlist::graph::{Net, Op};
 use roughxel_netlist::interval::Ranges;
@@ -36,7 +36,7 @@ pub(super) const FULL: Effects = Effects::ALL;
 pub(super) fn variants_of(datapath: Datapath) -> Vec<(&'static str, Effects)> {
     let mut distinct: Vec<(&str, Effects)> = Vec::new();
     for (name, effects) in variants() {
-        let own = effects.of(datapath);
+        let own = effects.restricted_to(datapath);
         if distinct.iter().all(|(_, known)| *known != own) {
             distinct.push((name, own));
         }
@@ -233,7 +233,7 @@ fn every_design_lints_clean() {
         for datapath in Datapath::ALL {
             for (_, (_, effects)) in variants_of(datapath).into_iter().enumerate().filter(|(i, _)| in_turn(*i, profile))
             {
-                Written::new(Design::of(datapath), &options(profile, effects, None)).lint();
+                Written::new(Design::for_datapath(datapath), &options(profile, effects, None)).lint();
             }
         }
         let pipelined = [Design::Reflection, Design::Highlight, Design::LitPeak, Design::EnvironmentProbe];
@@ -248,7 +248,7 @@ fn every_design_gives_the_scalar_bits_in_icarus() {
     if !have("iverilog") {
         return;
     }
-    let is_top = |design: &Design| Datapath::ALL.iter().any(|&datapath| Design::of(datapath) == *design);
+    let is_top = |design: &Design| Datapath::ALL.iter().any(|&datapath| Design::for_datapath(datapath) == *design);
     for (profile, _) in profiles() {
         for (_, &design) in Design::ALL.iter().enumerate().filter(|(index, it)| is_top(it) || in_turn(*index, profile))
         {
@@ -271,7 +271,7 @@ fn verilated_reflection_gives_the_scalar_bits_in_every_profile() {
         return;
     }
     for (profile, _) in profiles() {
-        if sweep() || profile == "standard" {
+        if is_full_run() || profile == "standard" {
             Case::new(Design::Reflection, whole_or(100_000, 20_000), &options(profile, FULL, None)).verilate(&[]);
         }
     }
@@ -331,7 +331,7 @@ fn the_committed_vectors_run_in_both_simulators() {
     for path in manifests_in(&directory).expect("the committed sets") {
         let (manifest, words) = words_of(&path);
         let options = options(&manifest.profile.name, manifest.effects, None);
-        let design = Design::of(manifest.datapath);
+        let design = Design::for_datapath(manifest.datapath);
         let net = record::net(design, &options.effects, &options.precision);
         read += words.len();
         let same = |known: &&mut (Design, Options, Case)| {
@@ -349,16 +349,16 @@ fn the_committed_vectors_run_in_both_simulators() {
         }
     }
     assert!(read >= 3000, "{read} vectors");
-    let all = sweep();
+    let all = is_full_run();
     cases.into_par_iter().for_each(|(design, options, case)| {
         println!("{} {} {:?}: {} vectors", design.name(), options.profile, options.effects, case.inputs.len());
         if have("iverilog") {
             case.written.icarus(&case.bench());
         }
         // The effects that other tests verilate, too.
-        let is_full =
-            options.profile == "standard" && options.effects == FULL.of(design.datapath().expect("a datapath"));
-        if have("verilator") && (all || is_full) {
+        let is_full_run = options.profile == "standard"
+            && options.effects == FULL.restricted_to(design.datapath().expect("a datapath"));
+        if have("verilator") && (all || is_full_run) {
             case.verilate(&["stalls"]);
         }
     });
@@ -372,16 +372,16 @@ fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
     let quick = [Design::Highlight, Design::LitPeak, Design::Texture];
     let mut cases = Vec::new();
     for design in Design::ALL.iter().copied().filter(|&design| design != Design::Reflection) {
-        if sweep() || quick.contains(&design) {
+        if is_full_run() || quick.contains(&design) {
             cases.push((design, whole_or(20_000, 2000), options("standard", FULL, None)));
         }
     }
-    if sweep() {
+    if is_full_run() {
         for datapath in Datapath::ALL {
             for ((_, effects), profile) in variants_of(datapath).into_iter().skip(1).zip(Profile::NAMES) {
-                cases.push((Design::of(datapath), 10_000, options(profile, effects, None)));
+                cases.push((Design::for_datapath(datapath), 10_000, options(profile, effects, None)));
             }
-            cases.push((Design::of(datapath), 10_000, options("compact", FULL, Some(24))));
+            cases.push((Design::for_datapath(datapath), 10_000, options("compact", FULL, Some(24))));
         }
     } else {
         cases.push((Design::EnvironmentProbe, 2000, options("compact", FULL, Some(24))));
@@ -462,7 +462,7 @@ fn yosys_takes_every_top() {
         let script = format!("read_verilog *.v; hierarchy -check -top {module}; proc; check -assert");
         run(Command::new("yosys").args(["-q", "-p", &script]).current_dir(written.path()));
     };
-    for (profile, _) in profiles().into_iter().filter(|_| sweep()) {
+    for (profile, _) in profiles().into_iter().filter(|_| is_full_run()) {
         for design in
             [Design::Reflection, Design::Fragment, Design::Texture, Design::EnvironmentProbe, Design::TextureProbe]
         {
@@ -480,7 +480,7 @@ fn yosys_takes_every_top() {
 fn compact_and_paper_multiply_18_by_18_bits() {
     for (profile, p) in [("paper", Precision::PAPER), ("compact", Precision::COMPACT)] {
         let variants = Datapath::ALL.into_iter().flat_map(|datapath| {
-            let record = move |effects| record::net(Design::of(datapath), &effects, &p);
+            let record = move |effects| record::net(Design::for_datapath(datapath), &effects, &p);
             variants_of(datapath).into_iter().map(move |(name, effects)| (name, record(effects)))
         });
         for (variant, net) in variants {

@@ -8,8 +8,8 @@ use roughxel_core::plan::{Datapath, Effects};
 use roughxel_core::precision::Precision;
 use roughxel_host_tests::simulators::have;
 use roughxel_vectors::{
-    Bench, Device, SetExport, SetInfo, ShrinkError, ShrinkOptions, StageSet, Vector, export_with, random_set, shrink,
-    verify,
+    Device, SetExport, SetInfo, ShrinkError, ShrinkOptions, StageSet, Testbench, Vector, export_with, random_set,
+    shrink, verify,
 };
 
 use super::benches::{have_cocotb, installed_cocotb};
@@ -28,7 +28,7 @@ fn set(directory: &Path, effects: Effects) -> (PathBuf, PathBuf) {
 }
 
 fn written(manifest: &Path, folder: &Path) {
-    Bench::new(manifest).and_then(|bench| bench.write(folder, Device::Generated, false)).expect("a testbench");
+    Testbench::new(manifest).and_then(|bench| bench.write(folder, Device::Generated, false)).expect("a testbench");
 }
 
 fn options() -> ShrinkOptions {
@@ -117,7 +117,7 @@ fn cocotb_finds_the_vector_that_icarus_finds_and_ghdl_has_devices_in_vhdl() {
         fs::create_dir(&of_vhdl).expect("a folder");
         let (manifest, _) = set(&of_vhdl, Effects::NONE);
         let folder = of_vhdl.join("blank");
-        Bench::new(&manifest).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a bench");
+        Testbench::new(&manifest).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a testbench");
         let shrunk = with("ghdl", &manifest, &folder);
         let result = shrunk.write(&of_vhdl.join("result")).expect("the result can be written");
         assert!(shrunk.stage == "perturb" && verify(&result, &|_| {}).expect("it can be read").passed());
@@ -129,7 +129,7 @@ fn a_set_of_one_stage_is_refused_with_what_to_do() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let (manifest, folder) = set(directory.path(), Effects::NONE);
     let (datapath, effects, precision) = (Datapath::Reflection, Effects::NONE, Precision::NARROW);
-    let stage = StageSet::of(datapath, &effects, &precision, Some("reflect")).expect("reflect").remove(0);
+    let stage = StageSet::select(datapath, &effects, &precision, Some("reflect")).expect("reflect").remove(0);
     let info = SetInfo::new("s", datapath, effects, "narrow", precision);
     let input = |index| random_set(datapath, "bench", index, &precision);
     let of_stage = directory.path().join("stage");
@@ -138,7 +138,7 @@ fn a_set_of_one_stage_is_refused_with_what_to_do() {
     let error = shrink(&of_stage, 0, &folder, &options(), &|_| {}).expect_err("a stage").to_string();
     assert!(error.contains("a set of one stage; shrink a vector of its datapath"), "{error}");
     let folder = directory.path().join("of_stage");
-    Bench::new(&of_stage).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a bench");
+    Testbench::new(&of_stage).and_then(|bench| bench.write(&folder, Device::Blank, false)).expect("a testbench");
     let error = shrink(&manifest, 0, &folder, &options(), &|_| {}).expect_err("a bench of a stage");
     assert!(matches!(error, ShrinkError::OtherSet { .. }), "{error}");
 }

@@ -10,13 +10,13 @@ use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_host_tests::simulators::{have, hdl};
-use roughxel_host_tests::space::{in_turn, profiles, sweep, whole_or};
+use roughxel_host_tests::space::{in_turn, is_full_run, profiles, whole_or};
 use roughxel_netlist::graph::{NodeId, Op};
 use roughxel_netlist::verilog::{Options, Stages};
 use roughxel_record as record;
 use roughxel_vectors::{
-    Bench, Cause, Device, Direction, Field, Form, Manifest, RANDOM_SETS, SetExport, SetInfo, StageSet, Vector,
-    VectorError, Words, export_with, random_set, verify,
+    Cause, Device, Direction, Field, Form, Manifest, RANDOM_SETS, RandomSetSummary, SetExport, SetInfo, StageSet,
+    Testbench, Vector, VectorError, Words, export_with, random_set, verify,
 };
 
 use super::benches::{have_cocotb, run_bench};
@@ -36,7 +36,7 @@ fn variants() -> [Effects; 4] {
 
 /// The random set of a datapath.
 fn info(datapath: Datapath, effects: Effects, profile: &'static str, precision: Precision) -> SetInfo<'static> {
-    let (name, _, description) = RANDOM_SETS[datapath as usize];
+    let RandomSetSummary { name, description, .. } = RANDOM_SETS[datapath as usize];
     SetInfo { description, seed: Some(name), ..SetInfo::new(name, datapath, effects, profile, precision) }
 }
 
@@ -59,7 +59,7 @@ fn export(set: &StageSet, info: &SetInfo<'_>, count: u64, directory: &Path) -> M
 
 /// The stages of a datapath, and the path of each one's manifest.
 fn stages(info: &SetInfo<'_>, name: Option<&str>) -> Vec<StageSet> {
-    StageSet::of(info.datapath, &info.effects, &info.precision, name).expect("the datapath has stages")
+    StageSet::select(info.datapath, &info.effects, &info.precision, name).expect("the datapath has stages")
 }
 
 fn manifest_path(directory: &Path, manifest: &Manifest) -> PathBuf {
@@ -171,7 +171,7 @@ fn a_stage_has_the_values_that_the_whole_datapath_has_of_the_same_wires() {
         let words = digits(directory.path(), &whole);
 
         let options = Options::new(profile, precision, effects);
-        let Stages { net, stages: modules } = record::stages(Design::of(datapath), &options).expect("stages");
+        let Stages { net, stages: modules } = record::stages(Design::for_datapath(datapath), &options).expect("stages");
         // The path of the port or the output for a wire.
         let port = |id: NodeId| match net.node(id).op {
             Op::Port(port) => Some(&net.ports[port as usize].name),
@@ -243,7 +243,7 @@ impl Written {
     fn new(set: &StageSet, info: &SetInfo<'_>, count: u64, device: Device) -> Self {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let manifest = export(set, info, count, directory.path());
-        let bench = Bench::new(&manifest_path(directory.path(), &manifest)).expect("a set");
+        let bench = Testbench::new(&manifest_path(directory.path(), &manifest)).expect("a set");
         let written = Self { directory, stem: bench.stem() };
         bench.write(&written.path(""), device, false).expect("the testbench can be written");
         written
@@ -327,7 +327,7 @@ fn stages_written_by_hand_pass_their_benches_and_broken_ones_are_named() {
     let tools = [("icarus", "iverilog"), ("verilator", "verilator"), ("cpp", "verilator"), ("cocotb", "iverilog")];
     for (number, (stage, others, from, to, field)) in BY_HAND.into_iter().enumerate() {
         // Tools that take seconds to build test one of the stages in turn.
-        let meets = |place: usize| place == 0 || sweep() || place == number + 1;
+        let meets = |place: usize| place == 0 || is_full_run() || place == number + 1;
         let tools: Vec<&str> = (0..)
             .zip(tools)
             .filter(|&(place, (tool, program))| meets(place) && have(program) && (tool != "cocotb" || have_cocotb()))
@@ -336,7 +336,7 @@ fn stages_written_by_hand_pass_their_benches_and_broken_ones_are_named() {
         let (written, module) = by_hand(stage, others, ("v", "sv"));
         tools.iter().for_each(|tool| written.passes(tool));
         break_module(&module, from, to);
-        tools.iter().filter(|&&tool| sweep() || tool != "verilator" && tool != "cpp").for_each(|tool| {
+        tools.iter().filter(|&&tool| is_full_run() || tool != "verilator" && tool != "cpp").for_each(|tool| {
             names(&written, tool, stage, field);
         });
     }

@@ -53,7 +53,7 @@ fn every_mode_is_its_float64_picture() {
 
 /// Any footprint: a core narrow enough for a face, a whole lobe on the sphere.
 #[test]
-fn two_lobes_are_their_float64_picture_in_every_reading() {
+fn two_lobes_are_their_float64_picture_in_every_backend() {
     let scene = bars::two_lobes();
     for (profile, precision) in profiles() {
         for mode in [Mode::Isotropic, Mode::Footprint] {

@@ -48,9 +48,9 @@ pub(crate) fn a_datapath_is_a_design_with_the_status_bits_that_its_stages_raise(
         (Datapath::Highlight, Design::Highlight, 0xf07),
         (Datapath::Peak, Design::LitPeak, 0x3707),
     ] {
-        assert_eq!(Design::of(datapath), design);
+        assert_eq!(Design::for_datapath(datapath), design);
         assert_eq!(design.datapath(), Some(datapath));
-        let masks: Vec<u32> = StatusBit::of(datapath).map(StatusBit::mask).collect();
+        let masks: Vec<u32> = StatusBit::raised_by(datapath).map(StatusBit::mask).collect();
         assert!(masks.is_sorted());
         assert_eq!(masks.iter().sum::<u32>(), bits, "{datapath:?}");
     }
@@ -98,13 +98,13 @@ pub(crate) fn a_knob_that_is_set_has_that_value_and_is_read_as_it_is_written() {
         assert!(knob.values().len() > 1);
         for profile in Profile::ALL {
             let p = profile.precision();
-            assert_eq!(knob.with(knob.of(&p), p), p);
+            assert_eq!(knob.with(knob.value_in(&p), p), p);
             for &value in knob.values() {
                 let set = knob.with(value, p);
-                assert_eq!(knob.of(&set), value);
+                assert_eq!(knob.value_in(&set), value);
                 assert_eq!(set.checked(), Ok(set), "{knob} {value}");
                 // No other knob moves.
-                assert!(Knob::ALL.into_iter().all(|other| other == knob || other.of(&set) == other.of(&p)));
+                assert!(Knob::ALL.into_iter().all(|other| other == knob || other.value_in(&set) == other.value_in(&p)));
                 assert_eq!(knob.read(&knob.text(value).to_string()), Some(value), "{knob} {value}");
             }
         }
@@ -210,10 +210,10 @@ pub(crate) fn plans_have_of_the_effects_what_their_datapath_knows() {
         horizon: HorizonKind::Product,
     };
     let none = HorizonKind::None;
-    assert_eq!(all.of(Datapath::Reflection), Effects { horizon: none, ..all });
+    assert_eq!(all.restricted_to(Datapath::Reflection), Effects { horizon: none, ..all });
     let Effects { bump, frame, roughness, horizon, .. } = all;
-    assert_eq!(all.of(Datapath::Highlight), Effects { bump, frame, roughness, ..Effects::NONE });
-    assert_eq!(all.of(Datapath::Peak), Effects { frame, horizon, ..Effects::NONE });
+    assert_eq!(all.restricted_to(Datapath::Highlight), Effects { bump, frame, roughness, ..Effects::NONE });
+    assert_eq!(all.restricted_to(Datapath::Peak), Effects { frame, horizon, ..Effects::NONE });
     let surface = SurfacePlan { bump: false, frame, roughness: RoughnessKind::None, local: true };
     assert_eq!(PeakPlan { frame, horizon }.surface(), surface);
     assert!(!all.highlight().local);

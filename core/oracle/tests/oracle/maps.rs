@@ -13,7 +13,7 @@ use roughxel_core::sampler::{self, COARSEST_EDGE, Cube, CubeMemory, level_edge};
 use roughxel_core::scalar_api::{environment_scale, reflection, texture_footprint, texture_scale};
 use roughxel_core::signals::{TexturePosition, WrappedFootprint};
 use roughxel_core::width::on_words;
-use roughxel_core::wrapped::{self, Level, Tap, View};
+use roughxel_core::wrapped::{self, Level, Neighbours, View};
 
 use crate::tile;
 use roughxel_oracle::random::Random;
@@ -92,7 +92,7 @@ fn environments(edge: u16, plan: &ReflectionPlan, p: &Precision) -> u64 {
                 hash.add(&on_words!(p, |point| sampler::point_means(point, cube, p)));
                 let seen = sampler::means(point, probes, true, cube, p);
                 hash.add(&sampler::blended::<i32, _>(&colours, &seen, &reflectance, cube));
-                assert!((1..=32).contains(&seen.taps.raw()));
+                assert!((1..=32).contains(&seen.samples.raw()));
             }
         }
         if plan.footprint == FootprintKind::Sphere {
@@ -120,13 +120,13 @@ fn textures(size: [u16; 2], p: &Precision) -> u64 {
         start += stride * sides[1];
         sides = sides.map(|side| (side / 2).max(1));
     }
-    let texels = |tap: &Tap<i32>, [turn, coarse]: [i32; 2]| texel::Quad {
-        texels: tap.texels.map(|place| {
+    let texels = |neighbours: &Neighbours<i32>, [turn, coarse]: [i32; 2]| texel::Quad {
+        texels: neighbours.texels.map(|place| {
             assert!((0..start).contains(&place.raw()));
             let bits = Random(place.raw() as u64).bits();
             [bits as u16, (bits >> 16) as u16, turn as u16, coarse as u16].map(|code| Fx::from_raw(code.into()))
         }),
-        weight: tap.weight,
+        weight: neighbours.weight,
     };
     for (_, fragment) in fragments() {
         let footprint = texture_footprint(&fragment.duv.wires(), &scale, &map, p);
@@ -144,7 +144,7 @@ fn textures(size: [u16; 2], p: &Precision) -> u64 {
             for view in [view, &View { footprint: None, ..*view }] {
                 let mean = wrapped::mean(view, texels, texel::colour_samples, |sample| sample, p);
                 hash.add(&mean.channels);
-                hash.add(&Value(mean.taps));
+                hash.add(&Value(mean.samples));
             }
         }
     }
@@ -179,8 +179,8 @@ pub(crate) fn beyond_the_last_level_of_a_map_the_last_one_is_read() {
             let mut texels = Vec::new();
             let view = &View { centre, footprint: Some((repeated, &scale)), levels, rough: false };
             wrapped::reads::<i32>(view, p, |read| {
-                let taps = [Some(read.fine), read.coarse].into_iter().flatten();
-                texels.extend(taps.flat_map(|tap| tap.texels.map(Fx::raw)));
+                let levels = [Some(read.fine), read.coarse].into_iter().flatten();
+                texels.extend(levels.flat_map(|neighbours| neighbours.texels.map(Fx::raw)));
             });
             texels
         };

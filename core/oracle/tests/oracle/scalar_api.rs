@@ -52,16 +52,16 @@ fn under_plans(footprint: FootprintKind, p: &Precision) -> [u64; 3] {
                     hashes[0].add(&scalar_api::fragment(&fragment.wires(), &effects.reflection(), p));
                     assert_eq!(
                         fragment.reflect(&effects.reflection(), p),
-                        Port::of(&scalar_api::fragment(&fragment.wires(), &effects.reflection(), p))
+                        Port::from_wires(&scalar_api::fragment(&fragment.wires(), &effects.reflection(), p))
                     );
                     let (light, peak) = lit(fragment, index);
                     let out = scalar_api::highlight(&light.wires(), &effects.highlight(), p);
                     hashes[1].add(&out);
                     lit_count += u32::from(out.f.raw() > 0);
-                    assert_eq!(light.highlight(&effects.highlight(), p), Port::of(&out));
+                    assert_eq!(light.highlight(&effects.highlight(), p), Port::from_wires(&out));
                     let out = scalar_api::lit_peak(&peak.wires(), &effects.peak(), p);
                     hashes[2].add(&out);
-                    assert_eq!(peak.shine(&effects.peak(), p), Port::of(&out));
+                    assert_eq!(peak.shine(&effects.peak(), p), Port::from_wires(&out));
                 }
             }
         }
@@ -114,7 +114,7 @@ pub(crate) fn an_effect_that_is_off_leaves_its_inputs_unread() {
     }
 }
 
-pub(crate) fn a_reading_that_branches_has_the_probes_of_one_that_does_not() {
+pub(crate) fn a_backend_that_branches_has_the_probes_of_one_that_does_not() {
     let p = &Precision::STANDARD;
     let plan = &Effects::ALL.reflection().on_sphere();
     let map = environment_scale(64, p);

@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3};
 use roughxel_core::ports::{BlockPort, StoredHorizon, StoredPeak};
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_core::setup::{
-    AMPLITUDE_LIMIT, block_vector, offset, real_horizon, real_number, real_offset, real_pair, real_peak, real_vector,
-    scale_by_power_of_two, shininess, stored_horizon, stored_peak, stored_unit_peak, uniform_law,
+    AMPLITUDE_LIMIT, RealPeak, block_vector, offset, real_horizon, real_number, real_offset, real_pair, real_peak,
+    real_vector, scale_by_power_of_two, shininess, stored_horizon, stored_peak, stored_unit_peak, uniform_law,
 };
 
 use roughxel_oracle::random::Random;
@@ -152,30 +152,30 @@ pub(crate) fn amplitudes_and_exponents_are_the_nearest_codes() {
     let up = DVec3::Z;
     for code in 0..=u16::MAX {
         let value = of_code(code);
-        let (_, a, n) = real_peak(&StoredPeak { amplitude: code, exponent: code, ..StoredPeak::default() });
-        assert_eq!((a, n), (value * power(-21), value * power(-13)));
+        let decoded = real_peak(&StoredPeak { amplitude: code, exponent: code, ..StoredPeak::default() });
+        assert_eq!((decoded.amplitude, decoded.exponent), (value * power(-21), value * power(-13)));
         let next = of_code(code.saturating_add(1));
         for (share, expected) in [(0.0, code), (0.49, code), (0.51, code.saturating_add(1))] {
             let x = value + (next - value) * share;
             let stored = stored_unit_peak(up, x * power(-21), 1.0);
             assert_eq!(stored.amplitude, expected, "{x}");
-            assert_eq!(real_peak(&stored).1, of_code(expected) * power(-21));
+            assert_eq!(real_peak(&stored).amplitude, of_code(expected) * power(-21));
             let m = x * power(-13);
             if m >= 1.0 {
                 let stored = stored_unit_peak(up, 1.0, m);
                 let most = stored_unit_peak(up, 1.0, 8192.0).exponent;
                 assert_eq!(stored.exponent, expected.min(most));
-                assert_eq!(real_peak(&stored).2, of_code(stored.exponent) * power(-13));
+                assert_eq!(real_peak(&stored).exponent, of_code(stored.exponent) * power(-13));
             }
         }
     }
-    assert_eq!(real_peak(&stored_unit_peak(up, 1.0, 0.1)).2, 1.0);
-    assert_eq!(real_peak(&stored_unit_peak(up, 1.0, 1e6)).2, 8192.0);
+    assert_eq!(real_peak(&stored_unit_peak(up, 1.0, 0.1)).exponent, 1.0);
+    assert_eq!(real_peak(&stored_unit_peak(up, 1.0, 1e6)).exponent, 8192.0);
     assert_eq!(stored_unit_peak(up, 1e30, 1.0).amplitude, 0xffff);
     assert_eq!(stored_unit_peak(up, -1.0, 1.0).amplitude, 0);
     assert_eq!(stored_unit_peak(up, f64::NAN, 1.0).amplitude, 0);
-    let (_, a, n) = real_peak(&stored_peak(up, f64::INFINITY, f64::INFINITY));
-    assert_eq!((a, n), (8191.0 / 128.0, 8192.0));
+    let largest = real_peak(&stored_peak(up, f64::INFINITY, f64::INFINITY));
+    assert_eq!((largest.amplitude, largest.exponent), (8191.0 / 128.0, 8192.0));
     // Half of the smallest unit rounds to one unit, less rounds to zero.
     assert_eq!(stored_unit_peak(up, power(-22), 1.0).amplitude, 1);
     assert_eq!(stored_unit_peak(up, power(-22) * 0.999, 1.0).amplitude, 0);
@@ -187,7 +187,7 @@ pub(crate) fn the_normal_of_a_stored_peak_has_unit_length_whatever_came() {
     for scale in [1.0, 1e-300, 1e300, 7.0] {
         let v = DVec3::new(0.36, -0.48, 0.8);
         let stored = stored_peak(v * scale, 2.0, 3.0);
-        let (normal, amplitude, exponent) = real_peak(&stored);
+        let RealPeak { normal, amplitude, exponent } = real_peak(&stored);
         assert!((normal - v).abs().max_element() <= power(-16) + 1e-9, "{normal}");
         assert_eq!((amplitude, exponent), (2.0, 3.0));
     }

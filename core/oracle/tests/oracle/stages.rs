@@ -66,7 +66,7 @@ pub(crate) fn a_sweep_far_from_its_direction_has_a_level_that_far_up_to_its_boun
     }
 }
 
-pub(crate) fn a_reading_that_branches_has_the_frames_of_one_that_does_not() {
+pub(crate) fn a_backend_that_branches_has_the_frames_of_one_that_does_not() {
     let p = &Precision::STANDARD;
     let block = |m: [i32; 3]| Block::<i32, 3> { m: m.map(|m| Fx::from_raw(m << 20)), e: Fx::int(1) };
     for n in [[0, 0, 512], [300, -1, 512], [0, 512, 512], [-512, 3, 2]] {

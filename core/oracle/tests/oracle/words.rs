@@ -159,7 +159,7 @@ fn integers(bundle: &impl Bundle<i32>) -> Vec<i64> {
     numbers(bundle).iter().map(|number| number.integer).collect()
 }
 
-pub(crate) fn bundles_keep_every_bit_on_words_of_every_reading_but_the_lower_half_of_narrow_words() {
+pub(crate) fn bundles_keep_every_bit_on_words_of_every_backend_but_the_lower_half_of_narrow_words() {
     fn through<W: IntegerWord>(bundle: &Kinds<i32>) -> Vec<i64> {
         integers(&to_ports::<W, _>(&of_ports::<W, _>(bundle)))
     }
@@ -274,15 +274,19 @@ pub(crate) fn wires_with_a_point_are_integers_shifted() {
     for _ in 0..2000 {
         let raw = of_every_size(&mut random) as i32;
         let x = Fx::<i32, 4>::from_raw(raw);
-        for keep in [20, 27, 28, 29] {
-            let drop = 28_u32.saturating_sub(keep);
+        for fraction_bits in [20, 27, 28, 29] {
+            let drop = 28_u32.saturating_sub(fraction_bits);
             let expected = if drop == 0 { raw } else { ((raw >> (drop - 1)) + 1) >> 1 << drop };
-            assert_eq!(x.keep(keep).raw(), expected);
+            assert_eq!(x.quantise(fraction_bits).raw(), expected);
             for k in [0, 1, 5, 31] {
                 // Rounded once, after the bits below the kept ones are dropped.
                 let cut = i64::from(raw >> drop);
                 let expected = (((cut * 2) >> k) + 1) >> 1 << drop;
-                assert_eq!(i64::from(x.round_shr_by(Fx::int(k), keep).raw()), expected, "{raw} {keep} {k}");
+                assert_eq!(
+                    i64::from(x.round_shr_by(Fx::int(k), fraction_bits).raw()),
+                    expected,
+                    "{raw} {fraction_bits} {k}"
+                );
             }
         }
         assert_eq!(x.index(3).raw(), raw >> 25);
@@ -298,11 +302,11 @@ pub(crate) fn wires_with_a_point_are_integers_shifted() {
         assert_eq!(x.widen::<36>().raw(), i64::from(raw));
         let wide = Wide::<i32, 8>::from_raw(random.bits() as i64 >> 1);
         // 56 fraction bits, of which a word with 8 bits before its point keeps 24.
-        let kept = |keep: u32| ((wide.raw() >> (55 - keep)) + 1) >> 1 << (24 - keep);
+        let kept = |fraction_bits: u32| ((wide.raw() >> (55 - fraction_bits)) + 1) >> 1 << (24 - fraction_bits);
         assert_eq!(i64::from(wide.round_to::<8>(20).raw()), kept(20));
         assert_eq!(i64::from(wide.round_to_control::<8>(24).raw()), kept(24));
         // If more bits are asked for than there are, all are kept.
-        assert_eq!([24, 25, 31].map(|keep| i64::from(wide.round_to::<8>(keep).raw())), [kept(24); 3]);
+        assert_eq!([24, 25, 31].map(|fraction_bits| i64::from(wide.round_to::<8>(fraction_bits).raw())), [kept(24); 3]);
         assert_eq!(wide.at_exponent::<12>(Fx::int(3)).raw(), wide.raw() >> 1);
         assert_eq!(wide.at_exponent::<12>(Fx::int(4)).raw(), wide.raw());
         assert_eq!(wide.at_exponent::<12>(Fx::int(5)).raw(), wide.raw());
@@ -350,7 +354,7 @@ pub(crate) fn a_memory_is_read_at_its_end_where_a_place_is_beyond_it() {
     assert_eq!(pair(0, &memory[..1]), [0; 4]);
 }
 
-pub(crate) fn a_reading_of_one_fragment_takes_its_own_turns() {
+pub(crate) fn a_backend_of_one_fragment_takes_its_own_turns() {
     let table = &std::array::from_fn(|i| 100 + i as i32);
     for index in [0, 7, 15, 16, -1] {
         assert_eq!(<i32 as Fetch>::entry(Fx::from_raw(index), table).raw(), 100 + (index & 15));

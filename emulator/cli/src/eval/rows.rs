@@ -465,7 +465,7 @@ fn write_json(text: &mut String, input: &ReflectionIn, output: &ReflectionOut, o
         write_value(text, value, "null");
         text.push(',');
     });
-    let raised = StatusBit::of(Datapath::Reflection).filter(|bit| output.status & bit.mask() != 0);
+    let raised = StatusBit::raised_by(Datapath::Reflection).filter(|bit| output.status & bit.mask() != 0);
     let names: Vec<_> = raised.map(|bit| format!("\"{}\"", bit.name())).collect();
     // Writing to a string cannot fail.
     let _ = write!(text, "\"status_names\":[{}]}}", names.join(","));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use roughxel_utilities::output::write_files;
-use roughxel_vectors::{BENCH_README, Bench, Device, manifests_of};
+use roughxel_vectors::{Device, TESTBENCH_README, Testbench, manifests_of};
 use serde_json::json;
 
 use crate::console::complain;
@@ -55,10 +55,10 @@ enum DeviceArg {
 pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
     check_directory(&args.output)?;
     // Every set is checked before the first testbench is written.
-    let mut benches: Vec<Bench> = Vec::new();
+    let mut benches: Vec<Testbench> = Vec::new();
     for path in &args.sets {
         for manifest in manifests_of(path)? {
-            let bench = Bench::new(&manifest)?;
+            let bench = Testbench::new(&manifest)?;
             if benches.iter().any(|known| known.stem() == bench.stem()) {
                 let problem = format!("two sets are `{}`; give them different directories with -o", bench.stem());
                 return Err(Failure::Usage(problem));
@@ -70,7 +70,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
         DeviceArg::Generated => Device::Generated,
         DeviceArg::Blank => Device::Blank,
     };
-    write_files(&args.output, [("README.md", BENCH_README)])?;
+    write_files(&args.output, [("README.md", TESTBENCH_README)])?;
     for bench in &benches {
         let directory = args.output.join(bench.stem());
         for kept in bench.write(&directory, device, args.replace_device)? {

@@ -10,8 +10,8 @@ use roughxel_netlist::verilog::VerilogError;
 use roughxel_study::profile_file::NamedPrecision;
 use roughxel_utilities::suggestions::did_you_mean;
 use roughxel_vectors::{
-    Form, InputSource, MAX_VECTORS, Manifest, RANDOM_SETS, RandomSet, SetExport, SetInfo, Shard, StageSet, VectorSet,
-    Words, entries_set, hard_sets,
+    Form, InputSource, MAX_VECTORS, Manifest, RANDOM_SETS, RandomSet, RandomSetSummary, SetExport, SetInfo, Shard,
+    StageSet, VectorSet, Words, entries_set, hard_sets,
 };
 use serde_json::json;
 
@@ -138,7 +138,7 @@ impl Export<'_> {
 
     /// Exports a random set.
     fn random(&self, datapath: Datapath, count: u64, seed: u64) -> Result<Vec<Exported>, Failure> {
-        let (name, _, description) = RANDOM_SETS[datapath as usize];
+        let RandomSetSummary { name, description, .. } = RANDOM_SETS[datapath as usize];
         let seed = if seed == 0 { name.to_owned() } else { format!("{name}+{seed}") };
         let info = self.info(name, description, Some(&seed), datapath, Effects::ALL);
         self.write(&info, count, &RandomSet { datapath, seed: &seed, precision: &self.profile.precision })
@@ -164,7 +164,7 @@ impl Export<'_> {
         let Some(stage) = self.stage else {
             return Ok(self.write_set(SetExport::new(info, count), input)?.into_iter().collect());
         };
-        let stages = match StageSet::of(info.datapath, &info.effects, &info.precision, Some(stage)) {
+        let stages = match StageSet::select(info.datapath, &info.effects, &info.precision, Some(stage)) {
             Err(VerilogError::UnknownStage { .. }) => return Ok(Vec::new()),
             stages => stages?,
         };
@@ -209,7 +209,7 @@ impl Export<'_> {
         };
         let mut all: Vec<String> = Vec::new();
         for (set, datapath, effects) in sets {
-            match StageSet::of(datapath, &self.effects(effects), &self.profile.precision, Some(stage)) {
+            match StageSet::select(datapath, &self.effects(effects), &self.profile.precision, Some(stage)) {
                 Err(VerilogError::UnknownStage { known, .. }) if named => {
                     return unknown(&format!("set `{set}` has"), &known);
                 }
@@ -282,7 +282,7 @@ fn chosen(
     written: &mut Vec<Exported>,
 ) -> Result<(), Failure> {
     let cases = hard_sets(&export.profile.precision);
-    let names = || cases.iter().map(|set| set.name).chain(RANDOM_SETS.map(|(name, ..)| name));
+    let names = || cases.iter().map(|set| set.name).chain(RANDOM_SETS.map(|set| set.name));
     if let Some(unknown) = args.sets.iter().find(|wanted| !names().any(|name| name == wanted.as_str())) {
         let names: Vec<_> = names().collect();
         return Err(Failure::Usage(format!("set `{unknown}` is unknown; there are {}", names.join(", "))));
@@ -290,7 +290,7 @@ fn chosen(
     let wanted = |name: &str| args.sets.is_empty() || args.sets.iter().any(|set| set == name);
     if args.scene.is_none() {
         let of_cases = cases.iter().map(|set| (set.name, set.datapath, set.effects));
-        let of_random = RANDOM_SETS.map(|(name, datapath, _)| (name, datapath, Effects::ALL));
+        let of_random = RANDOM_SETS.map(|set| (set.name, set.datapath, Effects::ALL));
         let sets = of_cases.chain(of_random).filter(|(name, ..)| wanted(name));
         export.check_stage(!args.sets.is_empty(), sets)?;
     }
@@ -298,8 +298,8 @@ fn chosen(
     for set in cases.iter().filter(|set| wanted(set.name) && of(set.datapath)) {
         written.extend(export.cases(set, MAX_VECTORS)?);
     }
-    for (_, datapath, _) in RANDOM_SETS.iter().filter(|(name, datapath, _)| wanted(name) && of(*datapath)) {
-        written.extend(export.random(*datapath, args.count, args.seed)?);
+    for set in RANDOM_SETS.iter().filter(|set| wanted(set.name) && of(set.datapath)) {
+        written.extend(export.random(set.datapath, args.count, args.seed)?);
     }
     Ok(())
 }
@@ -312,7 +312,7 @@ fn smoke(options: &Export<'_>, written: &mut Vec<Exported>) -> Result<(), Failur
         let export = Export { profile, ..*options };
         let sets = hard_sets(&profile.precision);
         for set in sets.iter().filter(|set| set.best_first || named == Profile::Standard && set.enough > 0) {
-            let is_alone = set.effects.of(set.datapath) != Effects::ALL.of(set.datapath);
+            let is_alone = set.effects.restricted_to(set.datapath) != Effects::ALL.restricted_to(set.datapath);
             let most = match is_alone {
                 _ if set.best_first => SMOKE_CHOSEN,
                 true => SMOKE_ALONE,
@@ -331,7 +331,7 @@ fn smoke(options: &Export<'_>, written: &mut Vec<Exported>) -> Result<(), Failur
             for set in sets.iter().filter(|set| set.name == entries_set(set.datapath)) {
                 let (count, datapath) = (set.inputs.len() as u64, set.datapath);
                 let info = export.info(set.name, set.description, None, datapath, set.effects);
-                let stages = StageSet::of(datapath, &info.effects, &info.precision, None)?;
+                let stages = StageSet::select(datapath, &info.effects, &info.precision, None)?;
                 for stage in stages.iter().filter(|stage| SMOKE_STAGES[datapath as usize].contains(&stage.name())) {
                     let input = |index: u64| set.part(index, count);
                     written.extend(export.write_set(SetExport::of_stage(&info, count, stage), &input)?);

@@ -20,7 +20,7 @@ pub(crate) struct ListArgs {
 pub(super) fn run(args: &ListArgs) -> Result<(), Failure> {
     let cases = hard_sets(&Precision::STANDARD);
     let rows = cases.iter().map(|set| (set.name, set.datapath, set.inputs.len().to_string(), set.description));
-    let random = RANDOM_SETS.map(|(name, datapath, description)| (name, datapath, "--count".to_owned(), description));
+    let random = RANDOM_SETS.map(|set| (set.name, set.datapath, "--count".to_owned(), set.description));
     let rows = rows.chain(random);
     let mut out = io::stdout().lock();
     if args.json {

@@ -99,7 +99,7 @@ fn what_cannot_be_written_is_told_before_the_work() {
     ] {
         let path = directory.file(path);
         let start = std::time::Instant::now();
-        let run = Run::of(directory.program(line).arg(&path)).ends(1);
+        let run = Run::output(directory.program(line).arg(&path)).ends(1);
         assert!(run.err.starts_with(&format!("error: cannot write {path}: ")), "{line}: {}", run.err);
         assert!(start.elapsed().as_secs() < 5, "{line}");
     }

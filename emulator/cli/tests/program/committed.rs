@@ -43,7 +43,7 @@ fn the_committed_sets_say_how_good_they_are() {
         "cube_edges_standard",
         "entries_cube_face_standard",
     ];
-    let is_all = std::env::var_os("ROUGHXEL_SWEEP").is_some();
+    let is_all = std::env::var_os("ROUGHXEL_FULL").is_some();
     let wanted = |path: &&PathBuf| is_all || sample.contains(&name(path).as_str());
     let manifests: Vec<&PathBuf> = manifests.iter().filter(wanted).collect();
     assert!(manifests.len() >= sample.len());

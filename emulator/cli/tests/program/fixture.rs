@@ -16,7 +16,7 @@ pub(super) fn program(arguments: &[&str]) -> Command {
 
 /// Runs the program.
 pub(super) fn roughxel(arguments: &[&str]) -> Run {
-    Run::of(&mut program(arguments))
+    Run::output(&mut program(arguments))
 }
 
 /// Output and exit code of a run.
@@ -28,7 +28,7 @@ pub(super) struct Run {
 }
 
 impl Run {
-    pub(super) fn of(command: &mut Command) -> Self {
+    pub(super) fn output(command: &mut Command) -> Self {
         Self::left(command.output().unwrap())
     }
 
@@ -104,7 +104,7 @@ impl Folder {
 
     /// Runs the program in the folder.
     pub(super) fn run(&self, line: &str) -> Run {
-        Run::of(&mut self.program(line))
+        Run::output(&mut self.program(line))
     }
 
     /// Runs the program in the folder and asserts that it ends with 0.

@@ -98,7 +98,7 @@ fn every_field_of_every_set_is_in_the_tables_and_in_their_order() {
                     let footprint = if on >> 2 & 1 == 1 { FootprintKind::Face } else { FootprintKind::None };
                     let horizon = if horizon { HorizonKind::Correlated } else { HorizonKind::None };
                     let effects = Effects { bump, frame, roughness, curvature, footprint, horizon };
-                    if effects != effects.of(datapath) {
+                    if effects != effects.restricted_to(datapath) {
                         continue;
                     }
                     let layout = Layout::new(datapath, &effects, &Precision::COMPACT, true);

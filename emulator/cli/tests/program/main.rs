@@ -14,6 +14,7 @@ mod gallery;
 mod coverage;
 mod check;
 mod shrink;
+mod pages;
 mod peaks;
 mod profile;
 mod records;

@@ -18,7 +18,7 @@ const DENIM: &str = "height_map = { generate = \"denim\", size = 16, threads = 4
 /// Runs `roughxel` with its own home directory.
 fn roughxel(home: &Path, arguments: &[&str]) -> Run {
     let mut command = program(arguments);
-    Run::of(command.env("HOME", home).env_remove("XDG_CACHE_HOME").env_remove("LOCALAPPDATA"))
+    Run::output(command.env("HOME", home).env_remove("XDG_CACHE_HOME").env_remove("LOCALAPPDATA"))
 }
 
 /// Writes a scene with one plane of a material.

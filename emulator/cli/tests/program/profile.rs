@@ -198,7 +198,7 @@ fn every_command_carries_a_profile_file_through() {
     let manifest: serde_json::Value = serde_json::from_str(&text("roughxel_levels.json")).unwrap();
     assert_eq!(manifest["profile"], "mine");
     for knob in Knob::ALL {
-        let setting = knob.text(knob.of(&MINE)).to_string();
+        let setting = knob.text(knob.value_in(&MINE)).to_string();
         assert_eq!(manifest["knobs"][knob.name()].to_string().trim_matches('"'), setting, "{knob}");
     }
 

@@ -92,7 +92,7 @@ fn an_export_is_the_same_with_any_number_of_threads() {
             format!("{export} --shard 2/2 -o parts{threads}"),
             format!("vectors merge parts{threads} -o merged{threads}"),
         ] {
-            Run::of(at.program(&line).env("RAYON_NUM_THREADS", threads)).ends(0);
+            Run::output(at.program(&line).env("RAYON_NUM_THREADS", threads)).ends(0);
         }
         for name in ["whole", "merged"] {
             assert!(files(&at.join(&format!("{name}{threads}"))) == whole, "{name}, {threads} threads");

@@ -9,7 +9,7 @@ use super::fixture::{Folder, Run};
 /// Runs a command in a directory whose folder `tools` comes first in PATH.
 fn run(at: &Folder, line: &str) -> Run {
     let path = format!("{}:{}", at.file("tools"), std::env::var("PATH").unwrap());
-    Run::of(at.program(line).env("PATH", path))
+    Run::output(at.program(line).env("PATH", path))
 }
 
 /// Writes a program with a name in `tools`.

@@ -13,8 +13,8 @@ use roughxel_study::Subject;
 use roughxel_study::choose::{Aim, Candidate, Clock, Meter, candidates, choose, measure};
 use roughxel_study::frame_meter::{Against, FrameMeter};
 use roughxel_study::host::Rounds;
+use roughxel_study::measurement::{self, Parts, Settings, Study};
 use roughxel_study::report::{BUYS_SOMETHING_DB, knob_gains, markdown, readme_plots};
-use roughxel_study::sweep::{self, Parts, Settings, Study};
 
 use super::fixture::repository;
 
@@ -36,9 +36,9 @@ fn tiny() -> Settings {
 
 /// Runs the study over three points. Also returns the number of units that were measured rather than kept.
 fn run(settings: &Settings, parts: &Parts) -> (Study, usize) {
-    let points: Vec<_> = sweep::settings().into_iter().step_by(30).collect();
+    let points: Vec<_> = measurement::settings().into_iter().step_by(30).collect();
     let begun = AtomicUsize::new(0);
-    let study = sweep::run(settings, &points, parts, &|_, done| {
+    let study = measurement::run(settings, &points, parts, &|_, done| {
         if done == 0 {
             begun.fetch_add(1, Ordering::Relaxed);
         }
@@ -157,7 +157,7 @@ impl Remembered<'_> {
 }
 
 #[test]
-fn the_choice_is_that_of_the_exhaustive_sweep_on_every_clock() {
+fn the_choice_is_that_of_the_exhaustive_search_on_every_clock() {
     let subjects = [Subject::open("lake", [24, 18]).unwrap()];
     let meter = FrameMeter::new(&subjects, Against::Filter, &|| ()).unwrap();
     let meter = Remembered(meter, RefCell::default());

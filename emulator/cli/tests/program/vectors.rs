@@ -30,10 +30,10 @@ struct Set {
 
 impl Set {
     fn random(count: u64) -> Self {
-        Self::of(Datapath::Reflection, count)
+        Self::export(Datapath::Reflection, count)
     }
 
-    fn of(datapath: Datapath, count: u64) -> Self {
+    fn export(datapath: Datapath, count: u64) -> Self {
         let directory = Folder::new();
         let info = SetInfo { datapath, ..info("random", "standard") };
         let input = |index| random_set(datapath, "test", index, &Precision::STANDARD);
@@ -134,7 +134,7 @@ fn every_set_verifies_under_every_profile() {
 fn a_flipped_bit_in_any_field_is_reported_with_set_index_stage_and_field() {
     // One run changes as many vectors as `verify` describes.
     const TOGETHER: usize = 10;
-    for set in Datapath::ALL.map(|datapath| Set::of(datapath, TOGETHER as u64 + 2)) {
+    for set in Datapath::ALL.map(|datapath| Set::export(datapath, TOGETHER as u64 + 2)) {
         let words = set.words();
         // Every bit of the field's digits is flipped, bits above its width included.
         let bits = |field: &Field| 0..field.width.next_multiple_of(4);

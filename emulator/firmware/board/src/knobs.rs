@@ -43,7 +43,7 @@ impl Run {
 
 /// All knobs in the form of `ROUGHXEL_KNOBS`.
 fn settings(p: &Precision) -> String {
-    Knob::ALL.map(|knob| format!("{knob}={}", knob.text(knob.of(p)))).join(" ")
+    Knob::ALL.map(|knob| format!("{knob}={}", knob.text(knob.value_in(p)))).join(" ")
 }
 
 /// Priced settings, each once: the named profiles, every knob alone at each of its values, the grid.
@@ -56,7 +56,7 @@ fn points() -> Vec<Precision> {
     let mut points: Vec<Precision> = Vec::new();
     for p in named.chain(alone).chain(Precision::grid()) {
         // Profiles differ in knobs without effect. A profile may stand for other settings, but no other setting for a profile.
-        let same = |known: &Precision| NO_EFFECT.iter().fold(p, |p, knob| knob.with(knob.of(known), p)) == *known;
+        let same = |known: &Precision| NO_EFFECT.iter().fold(p, |p, knob| knob.with(knob.value_in(known), p)) == *known;
         if !points.iter().any(same) {
             points.push(p);
         }
@@ -72,7 +72,8 @@ fn widths() -> impl Iterator<Item = Precision> {
 /// A knob without effect at another value.
 fn other(knob: Knob) -> Precision {
     let standard = Precision::STANDARD;
-    let value = knob.values().iter().find(|value| **value != knob.of(&standard)).expect("a knob has several values");
+    let value =
+        knob.values().iter().find(|value| **value != knob.value_in(&standard)).expect("a knob has several values");
     knob.with(*value, standard)
 }
 
@@ -127,10 +128,10 @@ fn compiler() -> Result<String, Failure> {
 
 /// The table as JSON, a line for each point.
 fn table(kept: &Kept, compiler: &str) -> Result<String, Failure> {
-    let plan = |target, precision| kept.of(Run { target, program: "plan", plan: ALL_EFFECTS, precision });
-    let around = |target, precision| kept.of(Run { target, program: "around", plan: "empty", precision });
+    let plan = |target, precision| kept.numbers(Run { target, program: "plan", plan: ALL_EFFECTS, precision });
+    let around = |target, precision| kept.numbers(Run { target, program: "around", plan: "empty", precision });
     let price = |target, p| {
-        let empty = kept.of(Run { target, program: "plan", plan: "empty", precision: Precision::STANDARD });
+        let empty = kept.numbers(Run { target, program: "plan", plan: "empty", precision: Precision::STANDARD });
         let numbers = plan(target, p);
         json!({
             "instructions": numbers["instructions"],
@@ -188,7 +189,7 @@ fn table(kept: &Kept, compiler: &str) -> Result<String, Failure> {
 
 /// All knobs as numbers.
 fn numbers_of(p: &Precision) -> BTreeMap<&'static str, u32> {
-    Knob::ALL.map(|knob| (knob.name(), knob.of(p))).into()
+    Knob::ALL.map(|knob| (knob.name(), knob.value_in(p))).into()
 }
 
 /// Finished runs, in a file next to the built programs. Runs of the same sources and the same compiler are reused.
@@ -240,7 +241,7 @@ impl Kept {
     }
 
     /// Numbers of a run.
-    fn of(&self, run: Run) -> &Numbers {
+    fn numbers(&self, run: Run) -> &Numbers {
         &self.numbers[&run.name()]
     }
 

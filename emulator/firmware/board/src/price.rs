@@ -76,7 +76,8 @@ fn kept() -> PathBuf {
 pub fn hold(target: Target) -> Result<(), Failure> {
     let table = std::fs::read_to_string(kept()).map_err(|error| Failure::trouble(format!("{KEPT}: {error}")))?;
     let name = target.name();
-    let part = Part::of(&table, target).ok_or_else(|| Failure::trouble(format!("{KEPT} has no part for {name}")))?;
+    let part =
+        Part::for_target(&table, target).ok_or_else(|| Failure::trouble(format!("{KEPT} has no part for {name}")))?;
     if !part.has_line(&format!("{}.", target.compiler())) {
         println!("{name:12} {KEPT} was made by another compiler: not compared");
         return Ok(());
@@ -109,7 +110,7 @@ pub fn hold(target: Target) -> Result<(), Failure> {
 struct Part<'a>(&'a str);
 
 impl<'a> Part<'a> {
-    fn of(table: &'a str, target: Target) -> Option<Self> {
+    fn for_target(table: &'a str, target: Target) -> Option<Self> {
         let (_, part) = table.split_once(&format!("\n## {}\n", target.name()))?;
         Some(Self(part.split_once("\n## ").map_or(part, |(part, _)| part)))
     }

@@ -107,7 +107,7 @@ impl View {
     fn visible(&self, offset: [i32; 2]) -> Vec<(i32, i32, u32)> {
         let mut samples = Vec::new();
         for tile in tiles(self.projection.width(), self.projection.height()) {
-            let seen = Seen::of(&self.list, tile, &[offset]);
+            let seen = Seen::draw(&self.list, tile, &[offset]);
             for y in tile.y..tile.y + tile.height {
                 for x in tile.x..tile.x + tile.width {
                     if let Some((triangle, _)) = seen.at(x, y, 0) {
@@ -179,7 +179,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(list: &TriangleList<'_>, tile: TileRect, places: &[[i32; 2]]) -> Self {
+    fn draw(list: &TriangleList<'_>, tile: TileRect, places: &[[i32; 2]]) -> Self {
         let (mut drawn, mut buffer) = (Drawn::default(), TileBuffer::default());
         list.drawn(tile, &mut drawn);
         list.draw(&drawn, &Places::new(places), tile, &mut buffer);

@@ -333,7 +333,7 @@ pub(super) mod tests {
     }
 
     impl<'a> Problem<'a> {
-        fn of(density: &'a [Block], range: ExponentRange, peaks: &[FittedPeak]) -> Self {
+        fn from_peaks(density: &'a [Block], range: ExponentRange, peaks: &[FittedPeak]) -> Self {
             Self::new(density, range, peaks, Space::default())
         }
 
@@ -367,11 +367,11 @@ pub(super) mod tests {
             peak(2.0, [0.3, -0.2, 0.9], 250.0),
         ];
         let density = Block::list([0.1; SAMPLES]);
-        let problem = Problem::of(&density, range, &peaks);
+        let problem = Problem::from_peaks(&density, range, &peaks);
         let jacobian = problem.derivatives();
         for variable in 0..16 {
             let residuals = |step: f64| {
-                let mut moved = Problem::of(&density, range, &peaks);
+                let mut moved = Problem::from_peaks(&density, range, &peaks);
                 let mut variables = moved.params();
                 variables[variable] += step;
                 moved.set_params(&variables);
@@ -403,7 +403,7 @@ pub(super) mod tests {
         // A residual of 0 has no direction.
         for density in [wanted, evaluate(&peaks)] {
             let density = Block::list(density);
-            let problem = Problem::of(&density, range, &peaks);
+            let problem = Problem::from_peaks(&density, range, &peaks);
             let (slopes, few) = (problem.derivatives(), problem.jacobian().expect("derivatives exist everywhere"));
             let rest = problem.residuals().expect("residuals exist everywhere");
             assert_eq!(few.shape(), (17, 16));

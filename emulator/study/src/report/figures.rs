@@ -4,9 +4,9 @@ use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
 
 use crate::choose::Clock;
+use crate::measurement::{Point, Study, base_of};
 use crate::soft_core;
 use crate::superscript::superscript;
-use crate::sweep::{Point, Study, base_of};
 
 /// Headings and rows.
 pub(super) type Table = (Vec<String>, Vec<Vec<String>>);
@@ -37,8 +37,8 @@ pub(super) fn grouped(number: u64) -> String {
 /// The base of a knob in words: `standard`, or `standard` with the knobs of [`base_of`] that differ.
 pub(super) fn base_name(knob: Knob) -> String {
     let base = base_of(knob);
-    let turned = Knob::ALL.into_iter().filter(|other| other.of(&base) != other.of(&Precision::STANDARD));
-    turned.fold("standard".into(), |name, other| format!("{name} with {other} {}", other.text(other.of(&base))))
+    let turned = Knob::ALL.into_iter().filter(|other| other.value_in(&base) != other.value_in(&Precision::STANDARD));
+    turned.fold("standard".into(), |name, other| format!("{name} with {other} {}", other.text(other.value_in(&base))))
 }
 
 /// The scenes whose frames are timed at every setting. Means of times and figures plotted against them cover these scenes.

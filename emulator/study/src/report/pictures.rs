@@ -10,7 +10,7 @@ use roughxel_frame::plan::Mode;
 
 use super::figures::base_name;
 use super::verdict::{BUYS_SOMETHING_DB, knob_gains};
-use crate::sweep::{Study, base_of};
+use crate::measurement::{Study, base_of};
 use crate::{StudyError, Subject, stability};
 
 /// Pixels of a picture on the page.
@@ -61,7 +61,7 @@ fn files(
 /// The two precisions that show a knob: its least accurate value that differs from the base, and the base.
 fn shown_of(knob: Knob) -> Option<[Precision; 2]> {
     let base = base_of(knob);
-    let least = knob.values().iter().find(|&&value| value != knob.of(&base))?;
+    let least = knob.values().iter().find(|&&value| value != knob.value_in(&base))?;
     Some([knob.with(*least, base), base])
 }
 
@@ -80,7 +80,7 @@ pub(super) fn draw(study: &Study, directory: &Path) -> Result<Vec<ScenePictures>
         };
         let [coarse, base] = precisions.map(|p| render(&p));
         let (coarse, base) = (coarse?, base?);
-        let [low, high] = precisions.map(|p| format!("{knob} {}", knob.text(knob.of(&p))));
+        let [low, high] = precisions.map(|p| format!("{knob} {}", knob.text(knob.value_in(&p))));
         let between = difference(&coarse, &base);
         let pictures = vec![
             (Some(coarse), low, most.scene.clone()),
@@ -96,14 +96,14 @@ pub(super) fn draw(study: &Study, directory: &Path) -> Result<Vec<ScenePictures>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::settings;
+    use crate::measurement::settings;
 
     #[test]
     fn pictures_of_a_knob_are_of_settings_that_the_study_measures() {
         let measured = settings();
         for knob in Knob::ALL {
             for p in shown_of(knob).expect("every knob has two values") {
-                assert!(measured.iter().any(|setting| setting.precision == p), "{knob} {}", knob.of(&p));
+                assert!(measured.iter().any(|setting| setting.precision == p), "{knob} {}", knob.value_in(&p));
             }
         }
     }

@@ -8,9 +8,9 @@ use super::tables::named;
 use super::verdict::curve;
 use crate::choose::Clock;
 use crate::frames::FrameFigures;
+use crate::measurement::{Point, StageFigures, Study};
 use crate::soft_core;
 use crate::stability::HardCase;
-use crate::sweep::{Point, StageFigures, Study};
 
 fn axis(label: &str, scale: Scale) -> Axis {
     Axis { label: label.into(), scale }

@@ -8,8 +8,8 @@ use super::figures::{Table, cost, grouped, power, timed_scenes, worst_psnr};
 use crate::choose::Clock;
 use crate::frames::FrameFigures;
 use crate::host::Timing;
+use crate::measurement::{Point, Study};
 use crate::soft_core;
-use crate::sweep::{Point, Study};
 
 /// The settings with a name of their own, narrowest first.
 pub(super) fn named(study: &Study) -> impl Iterator<Item = &Point> {

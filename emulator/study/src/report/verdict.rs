@@ -5,7 +5,7 @@ use roughxel_core::precision::Precision;
 
 use super::figures::{CLOCKS, Table, cost, grouped, power, worst_psnr};
 use crate::choose::{Aim, Candidate, Clock, choose};
-use crate::sweep::{Point, Study, base_of};
+use crate::measurement::{Point, Study, base_of};
 
 /// Least change of a scene's PSNR, dB, that counts as a gain from a knob.
 pub const BUYS_SOMETHING_DB: f64 = 0.5;
@@ -198,7 +198,7 @@ pub(super) fn idle_knobs(study: &Study) -> Vec<String> {
 
 /// Cases in which floats are ahead, and in which they are not.
 pub(super) fn floats(study: &Study) -> Vec<String> {
-    let error = |stages: &[crate::sweep::StageFigures]| {
+    let error = |stages: &[crate::measurement::StageFigures]| {
         stages.iter().find(|stage| stage.figure == "s, t").and_then(|stage| stage.nearly_all)
     };
     let standard = study.points.iter().find(|point| point.name == "standard");
@@ -236,7 +236,7 @@ pub(super) fn floats(study: &Study) -> Vec<String> {
 mod tests {
     use super::super::kept;
     use super::*;
-    use crate::sweep::settings;
+    use crate::measurement::settings;
 
     #[test]
     fn every_point_of_the_kept_study_says_its_knobs() {

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2, Vec3};
 use roughxel_f32_baseline::formulas::{Careful, Frame, Plain};
 use roughxel_f32_baseline::math::{Micromath, Std};
 use roughxel_f32_baseline::peak::LitPeak;
-use roughxel_f32_baseline::{Environment, Footprint, Fragment};
+use roughxel_f32_baseline::{Environment, FloatFootprint, Fragment};
 use roughxel_reference::cube::Selection;
 use roughxel_reference::frame::{self, FrameSystem};
 use roughxel_reference::linear::{Vector3, normalise_exponent, scale_exponent};
@@ -37,7 +37,7 @@ impl Float {
     }
 
     /// Reflects one fragment.
-    pub(super) fn reflect(self, environment: &Environment, fragment: &Fragment) -> Footprint {
+    pub(super) fn reflect(self, environment: &Environment, fragment: &Fragment) -> FloatFootprint {
         match self {
             Self::Plain => environment.reflect::<Std, Plain>(fragment),
             Self::Careful => environment.reflect::<Std, Careful>(fragment),
@@ -45,7 +45,7 @@ impl Float {
         }
     }
 
-    fn reflect_on(self, environment: &Environment, fragment: &Fragment, frame: Frame) -> Footprint {
+    fn reflect_on(self, environment: &Environment, fragment: &Fragment, frame: Frame) -> FloatFootprint {
         match self {
             Self::Plain => environment.reflect_on::<Std, Plain>(fragment, frame),
             Self::Careful => environment.reflect_on::<Std, Careful>(fragment, frame),
@@ -64,8 +64,8 @@ impl Float {
 }
 
 /// The point of a footprint; `None` if it is not a number or has no probe.
-pub(super) fn place(footprint: &Footprint) -> Option<Selection> {
-    let Footprint { face, st, probes, step, lod, .. } = *footprint;
+pub(super) fn place(footprint: &FloatFootprint) -> Option<Selection> {
+    let FloatFootprint { face, st, probes, step, lod, .. } = *footprint;
     let finite = st.is_finite() && step.is_finite() && lod.is_finite() && probes > 0;
     finite.then(|| Selection { face: face as usize, s: st.x.into(), t: st.y.into(), m: 1.0 })
 }
@@ -77,7 +77,7 @@ fn single(v: Vector3) -> Vec3 {
 /// Units give n and v exponent 0, which leaves the range of `f32` to the footprint. The tangent basis of systems 1 and 2, which
 /// `f32` does not have, is that of the reference.
 impl reference_renderer::Footprints for Float {
-    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<reference_renderer::Footprint> {
+    fn footprint(&self, inputs: &Inputs, options: &Options) -> Option<reference_renderer::ProbeRow> {
         let (normal, normal_exponent) = normalise_exponent(inputs.normal);
         let (view, view_exponent) = normalise_exponent(inputs.view);
         let (main_direction, _) = normalise_exponent(inputs.tangents[0]);
@@ -105,7 +105,7 @@ impl reference_renderer::Footprints for Float {
             let frame = Frame { e1: single(found.e1), e2: single(found.e2), pole: found.pole };
             self.reflect_on(&environment, &fragment, frame)
         };
-        Some(reference_renderer::Footprint {
+        Some(reference_renderer::ProbeRow {
             centre: place(&footprint)?,
             count: footprint.probes,
             step: footprint.step.to_array().map(f64::from),

@@ -6,7 +6,7 @@ use roughxel_cases::direction;
 use roughxel_core::plan::{FrameSystem, HorizonKind, PeakPlan};
 use roughxel_core::ports::{BlockVector, PeakIn, StoredHorizon, SurfaceIn};
 use roughxel_core::precision::Precision;
-use roughxel_core::setup::{block_vector, real_peak, real_vector, stored_peak};
+use roughxel_core::setup::{RealPeak, block_vector, real_peak, real_vector, stored_peak};
 use roughxel_f32_baseline::peak::LitPeak;
 use roughxel_reference::{frame, highlight, peaks};
 use roughxel_utilities::random::SplitMix64;
@@ -19,7 +19,7 @@ const PLAN: PeakPlan = PeakPlan { frame: FrameSystem::MainDirection, horizon: Ho
 pub(super) fn sample(method: Method, angle: f64, random: &mut SplitMix64) -> Sample {
     let p = &method.precision();
     let ports = &lit_peak(angle, random, p);
-    let (_, amplitude, exponent) = real_peak(&ports.peak);
+    let RealPeak { normal: stored, amplitude, exponent } = real_peak(&ports.peak);
     let (seen, got) = match method {
         Method::Profile(_) => {
             let real = |v: &BlockVector| real_vector(v).to_array();
@@ -36,7 +36,7 @@ pub(super) fn sample(method: Method, angle: f64, random: &mut SplitMix64) -> Sam
     let [normal, view, main_direction, light] = seen;
     let frame = frame::frame(frame::FrameSystem::MainDirection, normal, [main_direction, [0.0; 3]]);
     let local = peaks::local_direction(highlight::half(light, view), [frame.e1, frame.e2], normal).unwrap_or_default();
-    let want = peaks::peak(local, real_peak(&ports.peak).0.to_array(), amplitude, exponent);
+    let want = peaks::peak(local, stored.to_array(), amplitude, exponent);
     let error = (got - want).abs() / amplitude;
     Sample { error: if error.is_nan() { 1.0 } else { error.min(1.0) }, fallback: false }
 }
@@ -48,7 +48,7 @@ fn lit_peak(angle: f64, random: &mut SplitMix64, p: &Precision) -> PeakIn {
     let e2 = normal.cross(e1);
     let exponent = if random.below(2) == 0 { 8192.0 } else { random.uniform(6.0, 13.0).exp2() };
     let peak = stored_peak(DVec3::Z + 0.6 * direction(random), 1.0, exponent);
-    let unit = real_peak(&peak).0.normalize();
+    let unit = real_peak(&peak).normal.normalize();
     let side = unit.cross(direction(random)).normalize();
     let half = unit * angle.cos() + side * angle.sin();
     let half = e1 * half.x + e2 * half.y + normal * half.z;

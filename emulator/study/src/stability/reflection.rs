@@ -4,7 +4,7 @@ use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::ReflectionIn;
 use roughxel_core::precision::Precision;
 use roughxel_core::setup::real_number;
-use roughxel_f32_baseline::{Environment, Footprint, Fragment};
+use roughxel_f32_baseline::{Environment, FloatFootprint, Fragment};
 use roughxel_reference::cube::{Selection, project};
 use roughxel_reference::linear::axis_angle;
 use roughxel_reference::{Inputs, Outputs, reflection};
@@ -92,7 +92,7 @@ fn by_integers(ports: &ReflectionIn, plan: &ReflectionPlan, p: &Precision) -> Se
     }
 }
 
-fn by_float(footprint: &Footprint) -> Option<Seen> {
+fn by_float(footprint: &FloatFootprint) -> Option<Seen> {
     let place = place(footprint)?;
     let step = footprint.step.as_dvec2();
     Some(Seen {

@@ -17,7 +17,7 @@ use roughxel_core::block::MAX_EXPONENT;
 use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
 use roughxel_core::ports::{BlockPort, BlockVector, HighlightIn, PeakIn, ReflectionIn, SurfaceIn};
 use roughxel_core::precision::Precision;
-use roughxel_core::setup::{real_horizon, real_offset, real_peak, real_vector};
+use roughxel_core::setup::{RealPeak, real_horizon, real_offset, real_peak, real_vector};
 use roughxel_core::status::StatusBit;
 use roughxel_reference::frame::{Frame, frame};
 use roughxel_reference::highlight::{Scene, half, highlight};
@@ -292,7 +292,7 @@ const STORED_LENGTH: f64 = 1.0 / (1 << 14) as f64;
 /// The peak datapath.
 pub(super) fn of_peak(light: &PeakIn, effects: &Effects, p: &Precision, taken: &Taken<'_>) -> Float64 {
     let mut float64 = Float64::default();
-    let (stored, amplitude, exponent) = real_peak(&light.peak);
+    let RealPeak { normal: stored, amplitude, exponent } = real_peak(&light.peak);
     let (low, inverse_width) = real_horizon(&light.horizon);
     float64.codes.insert("peak_amplitude".into(), Real::new(amplitude, 0));
     float64.codes.insert("peak_exponent".into(), Real::new(exponent, 0));

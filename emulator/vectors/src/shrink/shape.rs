@@ -51,7 +51,7 @@ impl<'a> Shape<'a> {
     pub(super) fn inputs(&self, manifest: &Manifest, integers: &[i64]) -> Inputs {
         let bits: Vec<u32> =
             self.fields.iter().zip(integers).map(|(field, &integer)| bits_of(field, integer)).collect();
-        Inputs::of(manifest.datapath, &self.layout.decode(&bits))
+        Inputs::from_integers(manifest.datapath, &self.layout.decode(&bits))
     }
 
     fn is_exponent(&self, place: usize) -> bool {

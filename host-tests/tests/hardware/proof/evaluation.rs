@@ -68,7 +68,7 @@ fn check(design: Design, effects: &Effects, p: &Precision, fragments: &[Reflecti
 }
 
 #[test]
-fn a_net_gives_the_bits_of_the_scalar_reading_on_every_hard_case() {
+fn a_net_gives_the_bits_of_the_scalar_backend_on_every_hard_case() {
     for (_, p) in profiles() {
         for set in hard_case_sets(&p) {
             check(Design::Reflection, &set.plan.into(), &p, &set.cases);
@@ -79,7 +79,7 @@ fn a_net_gives_the_bits_of_the_scalar_reading_on_every_hard_case() {
 }
 
 #[test]
-fn a_net_gives_the_bits_of_the_scalar_reading_on_random_fragments() {
+fn a_net_gives_the_bits_of_the_scalar_backend_on_random_fragments() {
     for (_, p) in profiles() {
         let fragments: Vec<_> = (0..whole_or(10_000, 1000)).map(|index| random_fragment("net", index, &p)).collect();
         for &design in Design::ALL {
@@ -88,7 +88,7 @@ fn a_net_gives_the_bits_of_the_scalar_reading_on_random_fragments() {
         for datapath in Datapath::ALL {
             for (index, effects) in effects(Some(datapath)).iter().enumerate() {
                 let each = whole_or(100, 10);
-                check(Design::of(datapath), effects, &p, &fragments[each * (index % 100)..][..each]);
+                check(Design::for_datapath(datapath), effects, &p, &fragments[each * (index % 100)..][..each]);
             }
         }
     }
@@ -107,7 +107,7 @@ fn any_fragment(random: &mut SplitMix64) -> ReflectionIn {
 }
 
 #[test]
-fn a_net_gives_the_bits_of_the_scalar_reading_for_any_bits_at_its_ports() {
+fn a_net_gives_the_bits_of_the_scalar_backend_for_any_bits_at_its_ports() {
     for (profile, p) in profiles() {
         for frame in [FrameSystem::MainDirection, FrameSystem::Natural, FrameSystem::NaturalNormalised] {
             let effects = Effects { frame, ..Effects::ALL };
@@ -134,7 +134,7 @@ fn integers_of_a_bundle_are_the_ports_of_its_net() {
     let wires = fragment.wires();
     let net = record::net(Design::Fragment, &Effects::ALL, &p);
     let names: Vec<_> = net.ports.iter().map(|port| port.name.clone()).collect();
-    let expected = Integers::of(&wires);
+    let expected = Integers::from_bundle(&wires);
     assert_eq!(names, expected.names().collect::<Vec<_>>());
     assert_eq!(integers(&wires), expected.values());
 }

@@ -216,15 +216,15 @@ fn harmless(net: &Net, ranges: &Ranges, mutant: &Mutant, design: Design) -> Opti
             let fits =
                 at(
                     "core/src/elementary.rs",
-                    "within.reread::<MANTISSA>().shl(INT - MANTISSA + places).keep(fraction_bits)",
+                    "within.reread::<MANTISSA>().shl(INT - MANTISSA + places).quantise(fraction_bits)",
                 ) || at("core/src/elementary.rs", "let value: Control<W, LOGARITHM> = (Fx::wide_of_control(knot)")
                     || at("core/src/stage/blend.rs", ".round_to(24)")
                     || at("core/src/stage/moments.rs", "product.round_to(Fx::<W, MOMENT>::FRACTION)")
-                    || at("core/src/stage/probes.rs", "per_sigma.keep(p.offset_bits())")
+                    || at("core/src/stage/probes.rs", "per_sigma.quantise(p.offset_bits())")
                     || at("core/src/stage/probes.rs", "reach.max(Fx::zero()).min(Fx::int(1)).round_to_control(16)")
                     || at(
                         "core/src/stage/probes.rs",
-                        "lod.saturate(Fx::zero(), map.last_level.to_control()).keep(p.lod_bits)",
+                        "lod.saturate(Fx::zero(), map.last_level.to_control()).quantise(p.lod_bits)",
                     )
                     || design == Design::ColourSample;
             fits.then_some("twice the value still fits")

@@ -266,7 +266,7 @@ fn slivers_seen_edge_on_stay_within_their_corners() {
         let uv = [DVec2::new(0.1, 0.2), DVec2::new(0.3, 0.2), DVec2::new(0.2, 0.4)];
         let corners = [0, 1, 2].map(|k| vertex([a, b, c][k], DVec3::new(0.3, 0.1 * k as f64, 1.0), uv[k]));
         let view = View::new(&camera, one_triangle(corners));
-        let seen = Seen::of(&view.list, whole(200, 150), &[[9, 140]]);
+        let seen = Seen::draw(&view.list, whole(200, 150), &[[9, 140]]);
         let forward = (camera.target - camera.eye).normalize();
         let range = corners.map(|v| view.projection.near() / (v.position - camera.eye).dot(forward));
         let low = range.iter().fold(f64::INFINITY, |m, v| m.min(*v));
@@ -311,8 +311,8 @@ fn of_rows(rows: &AttributeRows, derivatives: &Derivatives<i32>, lane: usize) ->
         normal: block(&rows.normal, lane),
         view: block(&rows.view, lane),
         frame_vectors: rows.frame_vectors.map(|rows| block(&rows, lane)),
-        dview: Port::of(&derivatives.dview),
-        dnormal: Port::of(&derivatives.dnormal),
+        dview: Port::from_wires(&derivatives.dview),
+        dnormal: Port::from_wires(&derivatives.dnormal),
         uv: rows.uv.map(|row| U0F32::from_bits(row[lane].cast_unsigned())),
         duv: rows.duv.map(|rows| block(&rows, lane)),
     }

@@ -9,7 +9,7 @@ fn depth_agrees_with_distance_and_the_nearer_triangle_wins() {
     let corners: Vec<Vertex> = (0..90).map(|_| vertex(random.vector(1.5), DVec3::Z, DVec2::ZERO)).collect();
     let triangles: Vec<[u32; 3]> = (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     let view = View::new(&camera, vec![object(corners.clone(), triangles.clone())]);
-    let seen = Seen::of(&view.list, whole(160, 120), &[PIXEL_CENTRE_SUBPX]);
+    let seen = Seen::draw(&view.list, whole(160, 120), &[PIXEL_CENTRE_SUBPX]);
     let mut covered = 0;
     for y in 0..120 {
         for x in 0..160 {
@@ -51,7 +51,7 @@ fn among_equal_depths_the_lower_triangle_wins_in_any_order_of_tiles() {
     assert_eq!(samples.len(), 130 * 70);
     assert!(samples.iter().all(|&(_, _, triangle)| triangle < 2));
     // One large rectangle instead of tiles gives the same samples.
-    let seen = Seen::of(&view.list, whole(130, 70), &[PIXEL_CENTRE_SUBPX]);
+    let seen = Seen::draw(&view.list, whole(130, 70), &[PIXEL_CENTRE_SUBPX]);
     for (x, y, triangle) in samples {
         let pixel = |s: i32| (s >> SUBPIXEL_BITS) as u32;
         assert_eq!(seen.at(pixel(x), pixel(y), 0).map(|shown| shown.0), Some(triangle));
@@ -292,7 +292,7 @@ fn samples_are_those_found_one_by_one_with_every_instruction_set() {
             let one = View::new(camera, vec![object(objects[shown].mesh.vertices.clone(), vec![corners])]).list;
             let at = |edge: u32| {
                 let places: Vec<_> = (0..edge * edge).map(|i| [place(edge, i % edge), place(edge, i / edge)]).collect();
-                Seen::of(&one, tile, &places)
+                Seen::draw(&one, tile, &places)
             };
             alone.push([1, 2, 3, 4, 5].map(at));
         }
@@ -340,7 +340,7 @@ fn samples_of_a_pixel_count_as_often_as_it_has_samples() {
             // A shaded sample is visible at its position.
             let [x, y] = sample.position;
             let pixel = TileRect { x: x as u32 / 256, y: y as u32 / 256, width: 1, height: 1 };
-            let seen = Seen::of(&list, pixel, &[[x & 255, y & 255]]);
+            let seen = Seen::draw(&list, pixel, &[[x & 255, y & 255]]);
             assert_eq!(seen.at(pixel.x, pixel.y, 0).map(|shown| shown.0), sample.triangle);
         }
         assert_eq!(sums, counts);

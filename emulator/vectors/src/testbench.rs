@@ -32,7 +32,7 @@ use fields::{Fields, identifier};
 const RUN: (&str, &str) = ("run.sh", include_str!("../../../vectors/templates/run.sh"));
 
 /// The page of a directory of testbenches.
-pub const BENCH_README: &str = include_str!("../../../vectors/templates/benches.md");
+pub const TESTBENCH_README: &str = include_str!("../../../vectors/templates/benches.md");
 
 /// Device that the SystemVerilog testbench drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +45,7 @@ pub enum Device {
 
 /// Reason why there is no testbench.
 #[derive(Debug, Error)]
-pub enum BenchError {
+pub enum TestbenchError {
     /// The set cannot be read.
     #[error(transparent)]
     Set(#[from] VectorError),
@@ -86,7 +86,7 @@ pub enum BenchError {
 
 /// The testbench of one set.
 #[derive(Clone, Debug)]
-pub struct Bench {
+pub struct Testbench {
     manifest: Manifest,
     manifest_path: PathBuf,
     words_path: PathBuf,
@@ -95,11 +95,11 @@ pub struct Bench {
     stage: Option<Interface>,
 }
 
-impl Bench {
+impl Testbench {
     /// Reads the manifest of a set and checks the hash of its words.
     ///
     /// Errors: the set cannot be read or its name is no file name, or its words are damaged. Nothing is written.
-    pub fn new(manifest_path: &Path) -> Result<Self, BenchError> {
+    pub fn new(manifest_path: &Path) -> Result<Self, TestbenchError> {
         let manifest = Manifest::read(manifest_path)?;
         let good = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_';
         if !(1..=64).contains(&manifest.set.len()) || !manifest.set.bytes().all(good) {
@@ -107,7 +107,7 @@ impl Bench {
         }
         if let Some(part) = manifest.part {
             let problem = format!(
-                "it is part {} of {} of a set; benches are of whole ones: join the parts with `roughxel vectors merge`",
+                "it is part {} of {} of a set; testbenches are of whole ones: join the parts with `roughxel vectors merge`",
                 part.number, part.of
             );
             return Err(VectorError::Manifest { path: manifest_path.into(), problem }.into());
@@ -123,7 +123,7 @@ impl Bench {
         let is_whole = is_whole(manifest_path, &manifest, &layout);
         if !is_whole.map_err(|error| with_cause(error, manifest_path, &manifest, &layout))? {
             let order = misplaced(manifest_path, &manifest, &layout);
-            return Err(BenchError::Damaged {
+            return Err(TestbenchError::Damaged {
                 words: words_path,
                 manifest: manifest_path.into(),
                 order: order.iter().map(|misplaced| format!("; {misplaced}")).collect(),
@@ -165,7 +165,7 @@ impl Bench {
     ///
     /// Errors: the Verilog cannot be made or has other ports than the set, in which case nothing is written; or a file cannot be
     /// written.
-    pub fn write(&self, directory: &Path, device: Device, replace: bool) -> Result<Vec<String>, BenchError> {
+    pub fn write(&self, directory: &Path, device: Device, replace: bool) -> Result<Vec<String>, TestbenchError> {
         let verilog = match device {
             Device::Generated => Some(self.verilog()?),
             Device::Blank => None,
@@ -192,7 +192,7 @@ impl Bench {
     /// Writes words and manifest alone, into a testbench for the same number of vectors of the same fields.
     ///
     /// Errors: a file cannot be read or written.
-    pub(super) fn write_words(&self, directory: &Path) -> Result<(), BenchError> {
+    pub(super) fn write_words(&self, directory: &Path) -> Result<(), TestbenchError> {
         let files = [(&self.words_path, "words.hex"), (&self.manifest_path, "set.json")];
         files.into_iter().try_for_each(|(from, to)| copy(from, &directory.join(to)))
     }
@@ -203,18 +203,18 @@ impl Bench {
     }
 
     /// The Verilog of the set's datapath or stage, with the set's effects and profile.
-    fn verilog(&self) -> Result<Verilog, BenchError> {
+    fn verilog(&self) -> Result<Verilog, TestbenchError> {
         let Manifest { datapath, effects, profile, .. } = &self.manifest;
         let stage = self.stage.as_ref().map(|stage| stage.module.clone());
         let options = Options { stage, ..Options::new(&profile.name, profile.knobs, *effects) };
-        let error = |source| BenchError::Verilog { manifest: self.manifest_path.clone(), source };
-        record::verilog(Design::of(*datapath), &options).map_err(error)
+        let error = |source| TestbenchError::Verilog { manifest: self.manifest_path.clone(), source };
+        record::verilog(Design::for_datapath(*datapath), &options).map_err(error)
     }
 
     /// Value of each `@NAME@`.
     ///
     /// Errors: the Verilog has other ports than the set.
-    fn values(&self, verilog: Option<&Verilog>) -> Result<Vec<(&'static str, String)>, BenchError> {
+    fn values(&self, verilog: Option<&Verilog>) -> Result<Vec<(&'static str, String)>, TestbenchError> {
         let (stem, Self { manifest, fields, .. }) = (self.stem(), self);
         let bits = |fields: &[Field]| fields.iter().map(|field| field.width).sum::<u32>().to_string();
         let entry = manifest.files.iter().find(|file| file.name.ends_with(".hex"));
@@ -228,7 +228,7 @@ impl Bench {
             ("SHA256", entry.map_or_else(String::new, |file| file.sha256.clone())),
         ];
         let module = verilog.and_then(|verilog| self.stage.as_ref().or(verilog.top.as_ref()));
-        let error = |problem| BenchError::Ports { manifest: self.manifest_path.clone(), problem };
+        let error = |problem| TestbenchError::Ports { manifest: self.manifest_path.clone(), problem };
         let device = systemverilog::device(fields, manifest, module).map_err(error)?;
         let texts = systemverilog::values(fields, manifest, &stem);
         Ok([of_all, texts, device, vhdl::values(fields), cpp::values(fields), cocotb::values(fields)].concat())
@@ -236,7 +236,7 @@ impl Bench {
 }
 
 /// Copies a file; the copy appears whole or not at all.
-fn copy(from: &Path, to: &Path) -> Result<(), BenchError> {
+fn copy(from: &Path, to: &Path) -> Result<(), TestbenchError> {
     let mut source = open_file(from).map_err(|source| VectorError::Io { action: "read", path: from.into(), source })?;
     let write = |source: &mut File| {
         let mut file = OutputFile::create(to)?;

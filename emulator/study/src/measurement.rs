@@ -1,4 +1,4 @@
-//! The sweep: every knob alone, the named profiles, word widths and modes, each with its accuracy and its time on four clocks.
+//! The measurement: every knob alone, the named profiles, word widths and modes, each with its accuracy and its time on four clocks.
 //!
 //! A study is a list of units. Exact units (accuracy, gates, texels) run in parallel. Units that measure the time of the host run
 //! one after the other, on one thread, with no other work of the study. Each finished unit is kept at once ([`Parts`]), so an
@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::accuracy::{self, Accuracy, FIGURES};
 use crate::frames::{FrameFigures, Judge};
 use crate::hardware::HardwareFigures;
-use crate::host::{self, Bench, Machine, Pass, Rounds, Timing};
+use crate::host::{self, Machine, Pass, Rounds, TimedFragments, Timing};
 use crate::stability::Float;
 use crate::{StudyError, Subject, soft_core, stability};
 
@@ -93,7 +93,7 @@ pub struct Setting {
     pub precision: Precision,
 }
 
-/// The base of the sweep.
+/// The base of the measurement.
 const BASE: Precision = Precision::STANDARD;
 
 /// The base of a knob: `standard`. For seeds it is without the Newton step that doubles their good bits; with the step they
@@ -167,14 +167,15 @@ pub fn run(
     parts: &Parts,
     progress: &(dyn Fn(&str, u64) + Sync),
 ) -> Result<Study, StudyError> {
-    let sweep = Sweep { settings, parts, progress };
-    let judges = sweep.judges(points)?;
-    let exact = points.par_iter().map(|setting| sweep.exact(setting, &judges)).collect::<Result<Vec<_>, _>>()?;
-    let modes = MODES.par_iter().map(|mode| sweep.mode(*mode, &judges)).collect::<Result<Vec<_>, _>>()?;
-    let floats = FLOATS.par_iter().map(|float| sweep.float(*float, &judges)).collect::<Result<Vec<_>, _>>()?;
+    let measurement = Measurement { settings, parts, progress };
+    let judges = measurement.judges(points)?;
+    let exact = points.par_iter().map(|setting| measurement.exact(setting, &judges)).collect::<Result<Vec<_>, _>>()?;
+    let modes = MODES.par_iter().map(|mode| measurement.mode(*mode, &judges)).collect::<Result<Vec<_>, _>>()?;
+    let floats = FLOATS.par_iter().map(|float| measurement.float(*float, &judges)).collect::<Result<Vec<_>, _>>()?;
     drop(judges);
-    let stability = sweep.unit("stability", cost::STABILITY, || Ok(stability::measure(settings.members, &|| ())))?;
-    let (points, modes, floats) = sweep.clocks(points, exact, modes, floats)?;
+    let stability =
+        measurement.unit("stability", cost::STABILITY, || Ok(stability::measure(settings.members, &|| ())))?;
+    let (points, modes, floats) = measurement.clocks(points, exact, modes, floats)?;
     Ok(Study {
         schema: SCHEMA.into(),
         machine: Machine::here(),
@@ -269,13 +270,13 @@ const FLOATS: [(&str, Float); 3] =
 /// Everything with its times.
 type Found = (Vec<Point>, Vec<ModeFigures>, Vec<FloatFigures>);
 
-struct Sweep<'a> {
+struct Measurement<'a> {
     settings: &'a Settings,
     parts: &'a Parts,
     progress: &'a (dyn Fn(&str, u64) + Sync),
 }
 
-impl Sweep<'_> {
+impl Measurement<'_> {
     /// A unit, taken from the parts, or measured and kept.
     fn unit<T: Serialize + for<'de> Deserialize<'de>>(
         &self,
@@ -328,7 +329,7 @@ impl Sweep<'_> {
                 stages: stage_figures(&accuracy),
                 wrong: [accuracy.wrong_faces, accuracy.wrong_counts],
                 frames: frames.collect::<Result<_, StudyError>>()?,
-                hardware: HardwareFigures::of(p),
+                hardware: HardwareFigures::estimate(p),
             })
         })
     }
@@ -362,7 +363,7 @@ impl Sweep<'_> {
         modes: Vec<Vec<FrameFigures>>,
         floats: Vec<FloatExact>,
     ) -> Result<Found, StudyError> {
-        let bench = Bench::new()?;
+        let timed = TimedFragments::new()?;
         let [width, height] = self.settings.size;
         let open = |name: &String| Subject::open(name, self.settings.size);
         let scenes = self.settings.scenes.iter().map(open).collect::<Result<Vec<_>, _>>()?;
@@ -385,13 +386,13 @@ impl Sweep<'_> {
             };
             self.settings.scenes.iter().zip(&scenes).take(count).map(time).collect()
         };
-        let fragments = |pass: &mut Pass<'_>, base: &mut Pass<'_>| host::time(pass, base, bench.fragments(), rounds);
+        let fragments = |pass: &mut Pass<'_>, base: &mut Pass<'_>| host::time(pass, base, timed.fragments(), rounds);
 
         let mut points = Vec::new();
         for (setting, exact) in settings.iter().zip(exact) {
             let p = &setting.precision;
             let host = self.unit(&format!("time of {}", setting.name), cost::HOST, || {
-                let time = |backend| fragments(&mut bench.integers(backend, p), &mut bench.integers(backend, &BASE));
+                let time = |backend| fragments(&mut timed.integers(backend, p), &mut timed.integers(backend, &BASE));
                 Ok(HostFigures {
                     scalar: time(Backend::Scalar),
                     lanes: time(lanes),
@@ -417,10 +418,10 @@ impl Sweep<'_> {
             rows.push(FloatFigures { name: name.into(), stages, wrong, psnr, host: None });
         }
         let contenders: [(&str, Pass<'_>); 3] =
-            [("f32", bench.float32()), ("f32, batched", bench.float32_batched()), ("float64", bench.float64())];
+            [("f32", timed.float32()), ("f32, batched", timed.float32_batched()), ("float64", timed.float64())];
         for (name, mut pass) in contenders {
             let timing = self.unit(&format!("time of {name}"), cost::HOST, || {
-                Ok(fragments(&mut pass, &mut bench.integers(lanes, &BASE)))
+                Ok(fragments(&mut pass, &mut timed.integers(lanes, &BASE)))
             })?;
             if let Some(row) = rows.iter_mut().find(|row| row.name == name) {
                 row.host = Some(timing);

@@ -115,7 +115,7 @@ impl Point {
         host: HostFigures,
     ) -> Self {
         let p = &setting.precision;
-        let knob = |knob: Knob| (knob.name().into(), knob.text(knob.of(p)).to_string());
+        let knob = |knob: Knob| (knob.name().into(), knob.text(knob.value_in(p)).to_string());
         let price = |target: &&str| Some(((*target).into(), soft_core::price(target, p)?));
         Self {
             name: setting.name.clone(),
