@@ -241,7 +241,7 @@ fn decode(path: &Path, content: Content<'_>, wishes: &Wishes) -> Result<CubeFile
     let is_codes = matches!(format, TexelFormat::Codes(..) | TexelFormat::Bc7);
     // Codes whose file says nothing are colours as everywhere else.
     let default = if is_codes { Transfer::Srgb } else { Transfer::Linear };
-    let words = ColourWords { space: None, transfer: transfer.map(|transfer| (name, transfer)), default };
+    let words = ColourWords { transfer: transfer.map(|transfer| (name, transfer)), ..ColourWords::new(default) };
     let colours = words.decide(Purpose::Environment, wishes, &mut statement);
     let table = decode_table(255, colours.transfer);
     let mut faces =

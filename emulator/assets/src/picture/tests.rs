@@ -11,7 +11,12 @@ use super::*;
 use roughxel_utilities::random::SplitMix64;
 
 mod formats;
+mod jpegs;
 mod layers;
+mod profiles;
+mod tiffs;
+mod transfers;
+mod webps;
 mod words;
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
