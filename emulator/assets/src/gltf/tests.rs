@@ -8,6 +8,8 @@ use serde_json::{Value, json};
 use super::*;
 use crate::{ReadMesh, ReadOptions, read_mesh};
 
+mod integers;
+
 /// A square in the plane z = 0 with corners ±1, normals +z and texture coordinates 0 to 1 (v downwards).
 const POSITIONS: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
 const TEXCOORDS: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
@@ -287,6 +289,18 @@ fn errors_name_the_mistake_and_the_remedy() {
     for (json, message) in cases {
         let error = error(&json);
         assert!(error.contains(message) && error.contains("model.glb"), "{error}");
+    }
+    // A model of glTF 1.0 has objects for arrays, and its binary form another header.
+    let old = json!({ "asset": { "version": "1.0" }, "scene": "s", "scenes": { "s": { "nodes": [] } }, "meshes": {} });
+    let binary = [b"glTF\x01\0\0\0\x40\0\0\0", old.to_string().as_bytes()].concat();
+    for bytes in [old.to_string().into_bytes(), binary] {
+        let error = read_model(&Files::new().write("old.glb", &bytes)).unwrap_err().to_string();
+        assert!(error.contains("is a model of glTF 1.0, which is not read; convert it to glTF 2.0"), "{error}");
+    }
+    for name in KNOWN_EXTENSIONS {
+        let mut known = square();
+        (known["extensionsUsed"], known["extensionsRequired"]) = (json!([name]), json!([name]));
+        assert!(Files::new().model(&known).is_ok(), "{name}");
     }
     let mut required = square();
     required["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
