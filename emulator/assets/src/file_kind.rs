@@ -5,7 +5,7 @@ use std::path::Path;
 
 use roughxel_utilities::input::open_file;
 
-use crate::picture::{Kind, PictureError};
+use crate::picture::{Kind, PictureError, is_cube_file};
 
 /// Reader that a file is meant for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub fn file_kind(path: &Path) -> Result<FileKind, PictureError> {
     let read = open_file(path).and_then(|file| file.take(512).read_to_end(&mut head));
     read.map_err(|source| unopened(path, source))?;
     Ok(match Kind::from_head(&head) {
-        Kind::Other("KTX2" | "DDS") => FileKind::Cube,
+        Kind::Ktx2 | Kind::Dds if is_cube_file(path) => FileKind::Cube,
         Kind::Other("GLB (binary glTF)" | "JSON") => FileKind::Model,
         Kind::Other("text" | "unknown" | "XML" | "HTML" | "ZIP" | "gzip" | "Blender" | "Git LFS pointer") => {
             FileKind::Mesh

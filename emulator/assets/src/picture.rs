@@ -28,6 +28,9 @@ mod png_words;
 mod read;
 mod srgb;
 mod statement;
+mod texels;
+mod texture;
+mod texture_file;
 mod tiff_file;
 mod webp_file;
 #[cfg(test)]

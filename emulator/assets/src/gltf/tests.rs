@@ -158,6 +158,14 @@ fn texture_transforms_turn_scale_and_move_in_the_order_of_the_extension() {
         // (1, 0) turned by 90°: u' = 0, v' = −1.
         (json!({ "rotation": std::f64::consts::FRAC_PI_2 }), [0.0, -1.0]),
         (json!({ "rotation": std::f64::consts::PI }), [-1.0, 0.0]),
+        (json!({ "rotation": -std::f64::consts::FRAC_PI_2 }), [0.0, 1.0]),
+        (json!({ "scale": [-1, 1] }), [-1.0, 0.0]),
+        (json!({ "rotation": 0.5, "scale": [2, 3] }), [2.0 * f64::cos(0.5), -2.0 * f64::sin(0.5)]),
+        (
+            json!({ "rotation": 0.5, "scale": [2, 3], "offset": [0.1, 0.2] }),
+            [2.0 * f64::cos(0.5) + 0.1, -2.0 * f64::sin(0.5) + 0.2],
+        ),
+        (json!({ "texCoord": 0 }), [1.0, 0.0]),
     ];
     for (transform, [u, v]) in cases {
         let mut json = square();

@@ -19,6 +19,9 @@ impl Orientation {
     /// Rows from the top, columns from the left.
     pub(super) const UPRIGHT: Self = Self(1);
 
+    /// Rows from the bottom, columns from the left.
+    pub(super) const FROM_THE_BOTTOM: Self = Self(4);
+
     /// Orientation of a tag's number; `None` for others than 1 to 8.
     pub(super) fn from_tag(number: u16) -> Option<Self> {
         (1..=8).contains(&number).then_some(Self(number))

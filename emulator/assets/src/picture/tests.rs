@@ -10,10 +10,14 @@ use super::codes::decode_table;
 use super::*;
 use roughxel_utilities::random::SplitMix64;
 
+mod colours;
+pub(super) mod containers;
 mod formats;
 mod jpegs;
 mod layers;
+mod normals;
 mod profiles;
+mod textures;
 mod tiffs;
 mod transfers;
 mod webps;

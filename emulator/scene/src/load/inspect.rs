@@ -151,12 +151,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let mut bytes = Vec::new();
-        let codes: Vec<u8> = (0..8).flat_map(|index| [40 * index, 128, 255]).collect();
+        let codes: Vec<u8> = (0..8).flat_map(|index| [30 * index, 128, 255]).collect();
         encode_png(&mut bytes, [4, 2], Samples::Rgb8(&codes)).unwrap();
         std::fs::write(&path, bytes).unwrap();
         let take = |used_as, all: &[(&str, &str)]| take_picture(&path, used_as, &keys(all));
         let linear = take(PictureKey::ColourMap, &[("transfer", "linear")]).unwrap();
-        assert_eq!(linear.shown.pixels[1], [40.0 / 255.0, 128.0 / 255.0, 1.0]);
+        assert_eq!(linear.shown.pixels[1], [30.0 / 255.0, 128.0 / 255.0, 1.0]);
         assert_eq!(linear.statement.transfer.unwrap().used, "linear");
         let faces = take(PictureKey::Panorama, &[("face_edge", "4"), ("exposure", "-1")]).unwrap();
         assert_eq!((faces.shown.height, faces.shown.pixels[0][2]), (4, 0.5));
