@@ -98,7 +98,9 @@ impl Texture {
                     Some(header) => {
                         let is_flat = header.resource_dimension == ddsfile::D3D10ResourceDimension::Texture2D;
                         let is_cube = header.misc_flag.contains(ddsfile::MiscFlag::TEXTURECUBE);
-                        (is_cube, header.array_size == 1 && is_flat)
+                        // Some programs write 0 for one picture.
+                        let is_single = header.array_size == 1 || (header.array_size == 0 && !is_cube);
+                        (is_cube, is_single && is_flat)
                     }
                     None if caps.contains(ddsfile::Caps2::CUBEMAP) => {
                         (true, caps.contains(ddsfile::Caps2::CUBEMAP_ALLFACES))

@@ -178,6 +178,8 @@ fn words_of_a_texture_decide_its_colours_and_rows() {
     // The reader wants another byte behind it.
     turned.extend([&key[..], &[0]].concat());
     let dds = |format| [dds_header([1, 2], 1, 0, b"DX10", Some(format)), level.clone()].concat();
+    let mut of_no_array = dds(28);
+    of_no_array[140] = 0;
     let red = 200.0_f32 / 255.0;
     for (kind, bytes, expected) in [
         ("KTX2, linear", ktx2(37, 1), red),
@@ -190,6 +192,7 @@ fn words_of_a_texture_decide_its_colours_and_rows() {
         ("KTX2, ACEScg", primaries(7), row([1.7051, -0.6218, -0.0833])),
         ("KTX2, rows from the bottom", turned, 20.0 / 255.0),
         ("DDS, linear", dds(28), red),
+        ("DDS, an array of 0, as Pillow writes it", of_no_array, red),
         ("DDS, sRGB", dds(29), srgb(200.0)),
     ] {
         let read = read_as("a", &bytes, Purpose::Colours).unwrap();
