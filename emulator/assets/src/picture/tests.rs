@@ -17,6 +17,7 @@ mod jpegs;
 mod layers;
 mod normals;
 mod profiles;
+mod refused;
 mod textures;
 mod tiffs;
 mod transfers;

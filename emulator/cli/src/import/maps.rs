@@ -243,4 +243,63 @@ mod tests {
         assert_eq!(deviation(0.0), 0.0);
         assert!((0..1000).map(f64::from).all(|x| deviation(x / 1000.0) < deviation((x + 1.0) / 1000.0)));
     }
+
+    /// Material, and its right reflectance, colour and standard deviation of slopes, by glTF 2.0 §B.2 and the decision on models.
+    #[test]
+    fn materials_without_textures_become_three_keys() {
+        let plain = ModelMaterial { colour: [0.5, 0.25, 1.0], roughness: 1.0, ..Default::default() };
+        let with = |change: fn(&mut ModelMaterial)| {
+            let mut material = plain.clone();
+            change(&mut material);
+            material
+        };
+        // Base colour over 1 − 0.04, at most 1.
+        let matt = [0.5 / 0.96, 0.25 / 0.96, 1.0];
+        let table = [
+            ("plastic", plain.clone(), [0.04; 3], matt, 0.8),
+            ("smooth plastic", with(|own| own.roughness = 0.0), [0.04; 3], matt, 0.0),
+            ("metal", with(|own| own.metallic = 1.0), [0.5, 0.25, 1.0], [0.0; 3], 0.8),
+            (
+                "rough metal",
+                with(|own| (own.metallic, own.roughness) = (1.0, 0.5)),
+                [0.5, 0.25, 1.0],
+                [0.0; 3],
+                0.25 * 0.8,
+            ),
+            (
+                "half a metal",
+                with(|own| own.metallic = 0.5),
+                [0.27, 0.145, 0.52],
+                [0.25 / 0.73, 0.125 / 0.855, 1.0],
+                0.8,
+            ),
+            ("a lamp", with(|own| own.emissive = [0.2; 3]), [0.04; 3], [0.7 / 0.96, 0.45 / 0.96, 1.0], 0.8),
+            ("a bright lamp", with(|own| own.emissive = [9.0; 3]), [0.04; 3], [1.0; 3], 0.8),
+            (
+                "a glowing metal",
+                with(|own| (own.metallic, own.emissive) = (1.0, [0.1; 3])),
+                [0.5, 0.25, 1.0],
+                [0.1 / 0.5, 0.1 / 0.75, 0.0],
+                0.8,
+            ),
+            ("a colour above 1", with(|own| own.colour = [4.0, 0.0, 0.5]), [0.04; 3], [1.0, 0.0, 0.5 / 0.96], 0.8),
+            ("black", with(|own| own.colour = [0.0; 3]), [0.04; 3], [0.0; 3], 0.8),
+            ("more than a metal", with(|own| own.metallic = 3.0), [0.5, 0.25, 1.0], [0.0; 3], 0.8),
+        ];
+        let folder = tempfile::tempdir().unwrap();
+        let close = |found: [f64; 3], expected: [f64; 3]| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3);
+        for (kind, own, reflectance, colour, deviation) in table {
+            let model = Model { materials: vec![own], ..Default::default() };
+            let maps = material(folder.path(), &model, Some(0), true, &[], &mut Vec::new());
+            let Ok(maps) = maps else { panic!("{kind}") };
+            assert!(close(maps.reflectance, reflectance), "{kind}: {:?}", maps.reflectance);
+            assert!(close(maps.colour, colour), "{kind}: {:?}", maps.colour);
+            assert!((maps.deviation - deviation).abs() < 2e-3, "{kind}: {}", maps.deviation);
+        }
+        // A model without materials has white, rough metal (glTF 2.0 §3.7.2.1).
+        let Ok(default) = material(folder.path(), &Model::default(), None, true, &[], &mut Vec::new()) else {
+            panic!()
+        };
+        assert_eq!((default.reflectance, default.colour), ([1.0; 3], [0.0; 3]));
+    }
 }
