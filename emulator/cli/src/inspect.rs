@@ -62,7 +62,7 @@ impl From<Use> for PictureKey {
 pub(super) struct InspectArgs {
     /// Picture, cube map, OBJ mesh, glTF model or scene file.
     file: PathBuf,
-    /// Use of a picture. The default is colours, and cube for a KTX2 or DDS file.
+    /// Use of a picture. The default is colours, and cube for a KTX2 or DDS file with six faces.
     #[arg(long = "as", value_enum, value_name = "USE")]
     used_as: Option<Use>,
     /// Key of the file's table in a scene. Repeat it for more keys.
