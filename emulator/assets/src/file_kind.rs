@@ -5,7 +5,7 @@ use std::path::Path;
 
 use roughxel_utilities::input::open_file;
 
-use crate::picture::{Kind, PictureError};
+use crate::picture::{Kind, PictureError, is_cube_file};
 
 /// Reader that a file is meant for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,15 +27,38 @@ pub enum FileKind {
 pub fn file_kind(path: &Path) -> Result<FileKind, PictureError> {
     let mut head = Vec::new();
     let read = open_file(path).and_then(|file| file.take(512).read_to_end(&mut head));
-    read.map_err(|source| PictureError::open(path, source))?;
+    read.map_err(|source| unopened(path, source))?;
     Ok(match Kind::from_head(&head) {
-        Kind::Other("KTX2" | "DDS") => FileKind::Cube,
+        Kind::Ktx2 | Kind::Dds if is_cube_file(path) => FileKind::Cube,
         Kind::Other("GLB (binary glTF)" | "JSON") => FileKind::Model,
         Kind::Other("text" | "unknown" | "XML" | "HTML" | "ZIP" | "gzip" | "Blender" | "Git LFS pointer") => {
             FileKind::Mesh
         }
         _ => FileKind::Picture,
     })
+}
+
+/// Endings of names and the words for what they promise.
+const ENDINGS: [(&str, &[&str]); 5] = [
+    ("model", &["glb", "gltf"]),
+    ("mesh", &["obj", "ply", "stl", "fbx", "off", "dae"]),
+    ("texture", &["ktx2", "ktx", "dds"]),
+    ("scene", &["toml"]),
+    ("picture", &["png", "exr", "hdr", "pic", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "tga"]),
+];
+
+/// An error for a file that cannot be opened, by the kind that its name promises.
+fn unopened(path: &Path, source: std::io::Error) -> PictureError {
+    let shown = path.display();
+    if path.is_dir() {
+        let message = format!("`{shown}` is a directory");
+        return PictureError { message, remedy: "name a file in it".to_owned(), source: Some(source) };
+    }
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let promised = ENDINGS.iter().find(|(_, endings)| endings.iter().any(|known| ending == *known));
+    let what = promised.map_or("file", |(what, _)| what);
+    let message = format!("cannot open the {what} `{shown}`: {source}");
+    PictureError { message, remedy: "check the path and its permissions".to_owned(), source: Some(source) }
 }
 
 #[cfg(test)]
@@ -63,6 +86,20 @@ mod tests {
             std::fs::write(&path, bytes).unwrap();
             assert_eq!(file_kind(&path).unwrap(), kind, "{:?}", String::from_utf8_lossy(bytes));
         }
-        assert!(file_kind(&folder.path().join("none")).is_err());
+        for (name, expected) in [
+            ("none", "cannot open the file `"),
+            ("none.GLB", "cannot open the model `"),
+            ("none.gltf", "cannot open the model `"),
+            ("none.obj", "cannot open the mesh `"),
+            ("none.stl", "cannot open the mesh `"),
+            ("none.ktx2", "cannot open the texture `"),
+            ("none.toml", "cannot open the scene `"),
+            ("none.png", "cannot open the picture `"),
+            ("none.JPEG", "cannot open the picture `"),
+            ("", "` is a directory; name a file in it"),
+        ] {
+            let error = file_kind(&folder.path().join(name)).unwrap_err().to_string();
+            assert!(error.contains(expected), "{name}: {error}");
+        }
     }
 }

@@ -5,14 +5,16 @@
 
 mod buffers;
 mod materials;
+mod vectors;
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use glam::{DMat3, DMat4, DVec2, DVec3, Vec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 use gltf::mesh::Mode;
 
 use self::buffers::Buffers;
+use self::vectors::vectors;
 use crate::mesh::error::MeshError;
 use crate::mesh::kind::is_gltf;
 use crate::mesh::triangles::MAX_TRIANGLES;
@@ -20,8 +22,13 @@ use crate::mesh::triangles::MAX_TRIANGLES;
 pub use self::materials::{Image, ModelMaterial, NormalTexture};
 
 /// Extensions that a model may require: each is read, or changes nothing that is drawn here.
-const KNOWN_EXTENSIONS: [&str; 4] =
-    ["KHR_texture_transform", "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_lights_punctual"];
+const KNOWN_EXTENSIONS: [&str; 5] = [
+    "KHR_texture_transform",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+];
 
 /// Deepest chain of nodes.
 const MAX_DEPTH: usize = 256;
@@ -130,9 +137,15 @@ fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
     };
     let kind = if bytes.starts_with(b"glTF") { "GLB" } else { "glTF" };
     let unreadable = |reason| format!("is not a readable {kind} file: {reason}; export it again as glTF 2.0");
-    let mut file = gltf::Gltf::from_slice_without_validation(bytes).map_err(|reason| unreadable(reason.to_string()))?;
+    let mut file = gltf::Gltf::from_slice_without_validation(bytes).map_err(|reason| match version(bytes) {
+        Some(other) if !other.starts_with('2') => {
+            let remedy = "convert it to glTF 2.0, for example by gltf-pipeline";
+            format!("is a model of glTF {other}, which is not read; {remedy}")
+        }
+        _ => unreadable(reason.to_string()),
+    })?;
     // The validation takes the accessors of attributes for present.
-    let root = file.document.into_json();
+    let mut root = file.document.into_json();
     let attributes =
         root.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|primitive| primitive.attributes.values());
     if let Some(index) = attributes.map(gltf::json::Index::value).find(|index| *index >= root.accessors.len()) {
@@ -144,8 +157,27 @@ fn parse(bytes: &[u8]) -> Result<gltf::Gltf, String> {
         let names = unknown.join(", ");
         return Err(format!("requires the extension {names}, which is not read; export the model without it"));
     }
+    // The validation knows fewer.
+    root.extensions_required.clear();
     file.document = gltf::Document::from_json(root).map_err(|reason| unreadable(reason.to_string()))?;
     Ok(file)
+}
+
+/// Version of glTF that a file says it has.
+fn version(bytes: &[u8]) -> Option<String> {
+    if let Some(number) = bytes.strip_prefix(b"glTF").and_then(|rest| rest.get(..4)) {
+        let number = u32::from_le_bytes([number[0], number[1], number[2], number[3]]);
+        return Some(format!("{number}.0"));
+    }
+    #[derive(serde::Deserialize)]
+    struct Asset {
+        version: String,
+    }
+    #[derive(serde::Deserialize)]
+    struct Root {
+        asset: Asset,
+    }
+    serde_json::from_slice::<Root>(bytes).ok().map(|root| root.asset.version)
 }
 
 /// Walks over the nodes of a scene.
@@ -211,10 +243,12 @@ impl Reader<'_> {
         }
         self.buffers.check(primitive)?;
         let reader = primitive.reader(|buffer| self.buffers.bytes(buffer.index()));
-        let positions: Vec<DVec3> = reader
-            .read_positions()
+        let attribute = |semantic| primitive.get(&semantic);
+        let positions: Vec<DVec3> = attribute(gltf::Semantic::Positions)
+            .and_then(|accessor| vectors::<3>(accessor, self.buffers))
             .ok_or_else(|| format!("the positions of `{name}` are not in the file"))?
-            .map(|position| place.transform_point3(Vec3::from(position).as_dvec3()))
+            .into_iter()
+            .map(|position| place.transform_point3(DVec3::from_array(position)))
             .collect();
         if !positions.iter().all(|position| position.is_finite()) {
             return Err(format!("`{name}` has a position that is not a finite number; repair the mesh"));
@@ -238,18 +272,18 @@ impl Reader<'_> {
         // A normal is a covector: the inverse transpose moves it, and det · M⁻ᵀ needs no inverse.
         let turn = cofactors(DMat3::from_mat4(place)) * DMat3::from_mat4(place).determinant().signum();
         let one_each = |count: usize| count == positions.len();
-        let normals: Vec<DVec3> = reader
-            .read_normals()
-            .map(|all| all.map(|normal| (turn * Vec3::from(normal).as_dvec3()).normalize_or_zero()).collect())
+        let normals: Vec<DVec3> = attribute(gltf::Semantic::Normals)
+            .and_then(|accessor| vectors::<3>(accessor, self.buffers))
+            .map(|all| all.into_iter().map(|normal| (turn * DVec3::from_array(normal)).normalize_or_zero()).collect())
             .filter(|all: &Vec<DVec3>| one_each(all.len()) && all.iter().all(|normal| normal.is_finite()))
             .unwrap_or_default();
         let material = primitive.material();
         let (set, transform) = materials::placement(&material, &mut self.ignored);
-        let texcoords: Vec<DVec2> = reader
-            .read_tex_coords(set)
+        let texcoords: Vec<DVec2> = attribute(gltf::Semantic::TexCoords(set))
+            .and_then(|accessor| vectors::<2>(accessor, self.buffers))
             .map(|all| {
-                let place = |[u, v]: [f32; 2]| transform.transform_point2(DVec2::new(u.into(), v.into()));
-                all.into_f32().map(place).map(|uv| DVec2::new(uv.x, 1.0 - uv.y)).collect()
+                let place = |uv| transform.transform_point2(DVec2::from_array(uv));
+                all.into_iter().map(place).map(|uv| DVec2::new(uv.x, 1.0 - uv.y)).collect()
             })
             .filter(|all: &Vec<DVec2>| one_each(all.len()) && all.iter().all(|uv| uv.is_finite()))
             .unwrap_or_default();

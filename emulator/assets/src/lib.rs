@@ -10,5 +10,7 @@ mod mesh;
 pub mod picture;
 
 pub use file_kind::{FileKind, file_kind};
-pub use mesh::{MAX_TRIANGLES, Mesh, MeshError, ReadMesh, ReadOptions, Tangents, Vertex, parse_obj, read_mesh};
+pub use mesh::{
+    MAX_TRIANGLES, Mesh, MeshError, ReadMesh, ReadOptions, Tangents, Vertex, mesh_of_model, parse_obj, read_mesh,
+};
 pub use picture::Picture;

@@ -22,6 +22,7 @@ use glam::DVec3;
 use roughxel_utilities::input::open_file;
 
 use self::build::Polygons;
+use crate::gltf::{Model, parse_model};
 pub use error::MeshError;
 pub use tangents::Tangents;
 pub use triangles::{MAX_TRIANGLES, Mesh, Vertex};
@@ -67,14 +68,19 @@ pub fn read_mesh(path: &Path, options: &ReadOptions) -> Result<ReadMesh, MeshErr
     let mut bytes = Vec::with_capacity(bytes_long as usize);
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     if kind::is_gltf(&bytes) {
-        let model::ReadModel { polygons, without_uv, warnings } = model::polygons(path, &bytes, options.offset)?;
-        let read = finish(path, &polygons, without_uv, options.tangents)?;
-        return Ok(ReadMesh { warnings: [read.warnings, warnings].concat(), ..read });
+        return mesh_of_model(path, &parse_model(path, &bytes)?, options);
     }
     if let Some(foreign) = kind::foreign(&bytes) {
         return Err(MeshError::new(path, format!("the file is {}", foreign.what), foreign.remedy));
     }
     parse_obj(path, &kind::text(&bytes), options)
+}
+
+/// Joins the parts of a glTF model to one mesh, as [`read_mesh`] does; `path` only names its file. Errors: [`MeshError`].
+pub fn mesh_of_model(path: &Path, model: &Model, options: &ReadOptions) -> Result<ReadMesh, MeshError> {
+    let model::ReadModel { polygons, without_uv, warnings } = model::polygons(path, model, options.offset)?;
+    let read = finish(path, &polygons, without_uv, options.tangents)?;
+    Ok(ReadMesh { warnings: [read.warnings, warnings].concat(), ..read })
 }
 
 /// Reads OBJ text as [`read_mesh`] reads a file; `path` only names it. Errors: [`MeshError`].

@@ -23,7 +23,8 @@ Make a scene of a glTF 2.0 model (.glb or .gltf): a scene file, and a folder of 
   reflectance     mean over the maps of 0.04 (1 - metallic) + metallic base colour
   colour          base colour of what is not metal, and emitted light, shown without shading
   normal map      copied; x and y are multiplied by its scale if that is not 1
-  roughness map   standard deviation of slopes: roughness^2 / sqrt 2 (Beckmann's distribution with alpha = roughness^2)
+  roughness map   standard deviation of slopes that comes nearest to GGX with alpha = roughness^2: alpha for a smooth
+                  surface, 0.8 alpha from alpha = 0.2 on
   camera          that of the file, else one in front (+z), a little right and above, that sees the whole model
   environment     the generated sky; edit the scene file for another
 

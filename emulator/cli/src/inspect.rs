@@ -1,63 +1,73 @@
 //! `roughxel inspect`.
 
+mod findings;
 mod thumbnail;
 
 use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use glam::DVec3;
-use roughxel_assets::gltf::{Model, read_model};
-use roughxel_assets::picture::{self, Purpose, Statement, Wishes};
-use roughxel_assets::{FileKind, ReadMesh, ReadOptions, file_kind, read_mesh};
-use serde_json::{Value, json};
+use miette::miette;
+use roughxel_assets::gltf::read_model;
+use roughxel_assets::{FileKind, Picture, file_kind, mesh_of_model, picture, read_mesh};
+use roughxel_scene::{PictureKey, Scene, SceneError, mesh_options, take_picture};
 
+use self::findings::Findings;
+use super::failure::scene_failure;
 use super::{Failure, check_file, parse_png};
 
 pub(super) const LONG_HELP: &str = "\
-Say of a picture or a model what it is, how it is read, and what of it is ignored.
+Say of a picture, a model or a scene what it is, how it is read, and what of it is ignored.
 
-A picture is read as the scene file would read it for the use given by --as. The scene may still refuse its shape, clamp its
-light or clamp its slopes. A thumbnail shows a picture, the six faces of a
-cube map, or a mesh under the generated sky.
+A picture is read as the key of a scene given by --as would read it, with the same errors and warnings. --set gives further
+keys of that table (emulator/scenes/README.md lists them): --set layer=Combined --set latitudes=[0,90]. A value
+that is no TOML is a text. A mesh or a model takes --set offset=[x,y,z]. Of a scene file, all its pictures are listed.
+
+A thumbnail shows colours, bumps as a normal map, the six faces of an environment, a mesh under the generated sky, or the scene.
 
 Exit codes: 0 done, 1 failure, 2 usage.
 Data goes to stdout, progress and errors to stderr. NO_COLOR is respected.";
 
-/// Use of a picture in a scene.
-#[derive(Clone, Copy, Debug, ValueEnum)]
+/// Key of a scene that names a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Use {
-    /// Colours of a surface.
+    /// Colours of a surface (colour_map).
     Colours,
-    /// Light from all directions.
+    /// Light by longitude and latitude (equirectangular).
     Environment,
-    /// Heights.
+    /// Light of six faces in one file (cube).
+    Cube,
+    /// Heights (height_map).
     Heights,
-    /// Tangent-space normals.
+    /// Tangent-space normals (normal_map).
     Normals,
-    /// Other numbers.
-    Data,
+    /// Deviations of slopes (roughness_map).
+    Roughness,
 }
 
-impl From<Use> for Purpose {
+impl From<Use> for PictureKey {
     fn from(wanted: Use) -> Self {
         match wanted {
-            Use::Colours => Self::Colours,
-            Use::Environment => Self::Environment,
-            Use::Heights => Self::Heights,
-            Use::Normals => Self::Normals,
-            Use::Data => Self::Data,
+            Use::Colours => Self::ColourMap,
+            Use::Environment => Self::Panorama,
+            Use::Cube => Self::Cube,
+            Use::Heights => Self::HeightMap,
+            Use::Normals => Self::NormalMap,
+            Use::Roughness => Self::RoughnessMap,
         }
     }
 }
 
 #[derive(Args)]
 pub(super) struct InspectArgs {
-    /// Picture, cube map, OBJ mesh or glTF model.
+    /// Picture, cube map, OBJ mesh, glTF model or scene file.
     file: PathBuf,
-    /// Use of a picture.
-    #[arg(long = "as", value_enum, default_value = "colours", value_name = "USE")]
-    used_as: Use,
+    /// Use of a picture. The default is colours, and cube for a KTX2 or DDS file with six faces.
+    #[arg(long = "as", value_enum, value_name = "USE")]
+    used_as: Option<Use>,
+    /// Key of the file's table in a scene. Repeat it for more keys.
+    #[arg(long = "set", value_parser = parse_key, value_name = "KEY=VALUE")]
+    keys: Vec<(String, String)>,
     /// PNG file to write a thumbnail to.
     #[arg(short, long, value_parser = parse_png, value_name = "PNG")]
     output: Option<PathBuf>,
@@ -66,32 +76,16 @@ pub(super) struct InspectArgs {
     json: bool,
 }
 
-/// Findings about a file: lines for people and an object for programs.
-struct Findings {
-    lines: Vec<String>,
-    json: Value,
+/// Parses `KEY=VALUE`.
+fn parse_key(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text.split_once('=').ok_or("a key is KEY=VALUE, such as layer=Combined or wrap=false")?;
+    Ok((key.trim().to_owned(), value.trim().to_owned()))
 }
 
 pub(super) fn run(args: &InspectArgs) -> Result<(), Failure> {
     args.output.as_deref().map_or(Ok(()), check_file)?;
-    let (findings, thumbnail) = match file_kind(&args.file)? {
-        FileKind::Picture => {
-            let read = picture::read(&args.file, args.used_as.into(), &Wishes::default())?;
-            (of_picture(&read.statement), args.output.is_some().then(|| thumbnail::of_picture(&read.picture)))
-        }
-        FileKind::Cube => {
-            let cube = picture::read_cube(&args.file, &Wishes::default())?;
-            (of_picture(&cube.statement), args.output.is_some().then(|| thumbnail::of_cube(&cube.faces)))
-        }
-        kind @ (FileKind::Model | FileKind::Mesh) => {
-            let read = read_mesh(&args.file, &ReadOptions::default())?;
-            let findings = match kind {
-                FileKind::Model => of_model(&read_model(&args.file)?, &read),
-                _ => of_mesh(&read),
-            };
-            (findings, args.output.as_ref().map(|_| thumbnail::of_mesh(&args.file, &read.mesh)).transpose()?)
-        }
-    };
+    let is_scene = args.file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+    let (findings, thumbnail) = if is_scene { scene(args)? } else { asset(args)? };
     if let (Some(path), Some(thumbnail)) = (&args.output, &thumbnail) {
         picture::write_png_srgb(path, thumbnail)?;
     }
@@ -99,66 +93,56 @@ pub(super) fn run(args: &InspectArgs) -> Result<(), Failure> {
     if args.json {
         writeln!(out, "{:#}", findings.json)?;
     } else {
-        writeln!(out, "{}: {}", shown(&args.file), findings.lines.join("\n  "))?;
+        writeln!(out, "{}: {}", args.file.display(), findings.lines.join("\n  "))?;
     }
     Ok(())
 }
 
-fn shown(path: &Path) -> String {
-    path.display().to_string()
+/// Findings about a scene file, and its frame if a thumbnail is wanted.
+fn scene(args: &InspectArgs) -> Result<(Findings, Option<Picture>), Failure> {
+    refuse(args.used_as.is_some(), "--as", "it belongs to a picture")?;
+    refuse(!args.keys.is_empty(), "--set", "a scene file has its keys")?;
+    let scene = Scene::open(&args.file.to_string_lossy()).map_err(scene_failure)?;
+    let findings = Findings::of_scene(&scene);
+    let thumbnail = args.output.as_ref().map(|_| thumbnail::of_scene(scene)).transpose()?;
+    Ok((findings, thumbnail))
 }
 
-fn of_picture(statement: &Statement) -> Findings {
-    let mut lines = vec![statement.to_string()];
-    let said = [("colour space", &statement.colour_space), ("transfer function", &statement.transfer)];
-    for (what, said) in said {
-        if let Some(said) = said {
-            let words = said.said.as_deref().unwrap_or("nothing");
-            lines.push(format!("{what}: the file says {words}; used: {}", said.used));
+/// Findings about a picture, a cube map, a mesh or a model, and its thumbnail if one is wanted.
+fn asset(args: &InspectArgs) -> Result<(Findings, Option<Picture>), Failure> {
+    let kind = file_kind(&args.file)?;
+    let wants_thumbnail = args.output.is_some();
+    let by_kind = match kind {
+        FileKind::Picture => Use::Colours,
+        FileKind::Cube => Use::Cube,
+        FileKind::Model | FileKind::Mesh => {
+            refuse(args.used_as.is_some(), "--as", "it belongs to a picture")?;
+            let options = mesh_options(&args.keys).map_err(key_failure)?;
+            let (findings, mesh) = if kind == FileKind::Model {
+                let model = read_model(&args.file)?;
+                let read = mesh_of_model(&args.file, &model, &options)?;
+                (Findings::of_model(&model, &read), read.mesh)
+            } else {
+                let read = read_mesh(&args.file, &options)?;
+                (Findings::of_mesh(&read), read.mesh)
+            };
+            return Ok((findings, wants_thumbnail.then(|| thumbnail::of_mesh(mesh)).transpose()?));
         }
-    }
-    if !statement.left.is_empty() {
-        lines.push(format!("channels that are not taken: {}", statement.left.join(", ")));
-    }
-    lines.extend(statement.notes.iter().cloned());
-    lines.extend(statement.ignored.iter().map(|ignored| format!("ignored: {ignored}")));
-    lines.extend(statement.warnings.iter().map(|warning| format!("warning: {warning}")));
-    Findings { lines, json: json!(statement) }
+    };
+    let taken = take_picture(&args.file, args.used_as.unwrap_or(by_kind).into(), &args.keys).map_err(key_failure)?;
+    let findings = Findings::of_picture(&taken.statement, &taken.warnings);
+    Ok((findings, wants_thumbnail.then(|| thumbnail::of_picture(&taken.shown))))
 }
 
-/// Lines and keys that every mesh has.
-fn of_mesh(read: &ReadMesh) -> Findings {
-    let positions = || read.mesh.vertices.iter().map(|vertex| vertex.position);
-    let low = positions().fold(DVec3::INFINITY, DVec3::min).to_array();
-    let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max).to_array();
-    let (triangles, vertices) = (read.mesh.triangles.len(), read.mesh.vertices.len());
-    let mut lines = vec![
-        format!("mesh of {triangles} triangles, {vertices} vertices"),
-        format!("from {low:?} to {high:?}"),
-        read.without_uv.as_ref().map_or_else(
-            || "texture coordinates on every face".to_owned(),
-            |place| format!("no texture coordinates at {place}: maps cannot be drawn"),
-        ),
-    ];
-    lines.extend(read.warnings.iter().map(|warning| format!("warning: {warning}")));
-    let json = json!({
-        "kind": "mesh", "triangles": triangles, "vertices": vertices, "low": low, "high": high,
-        "without_texture_coordinates": read.without_uv, "warnings": read.warnings,
-    });
-    Findings { lines, json }
+/// An error of usage if an option does not fit the file.
+fn refuse(is_given: bool, option: &str, why: &str) -> Result<(), Failure> {
+    if is_given { Err(Failure::Usage(format!("leave {option} out: {why}"))) } else { Ok(()) }
 }
 
-fn of_model(model: &Model, read: &ReadMesh) -> Findings {
-    let mut findings = of_mesh(read);
-    let [parts, materials, images] = [model.parts.len(), model.materials.len(), model.images.len()];
-    findings.lines[0] = format!("glTF model, {}", findings.lines[0]);
-    findings
-        .lines
-        .insert(1, format!("{parts} parts, {materials} materials, {images} images; `roughxel import` makes a scene"));
-    findings.json["kind"] = json!("glTF");
-    findings.json["parts"] = json!(model.parts.iter().map(|part| &part.name).collect::<Vec<_>>());
-    findings.json["materials"] = json!(materials);
-    findings.json["images"] = json!(images);
-    findings.json["ignored"] = json!(model.ignored);
-    findings
+/// The failure of a file with keys, without the place in the table that was made of them.
+fn key_failure(error: SceneError) -> Failure {
+    match error.fault() {
+        Some(fault) => Failure::Error(miette!("{}; {}", fault.message, fault.help)),
+        None => error.into(),
+    }
 }

@@ -31,6 +31,7 @@ pub use lighting::{
     EXPONENTS, GivenPeak, Highlight, HighlightForm, Light, LightPlace, MAX_GIVEN_PEAKS, MAX_LIGHTS, MAX_PEAK_TEXELS,
     PEAK_HEIGHTS, PeakSource, Peaks, Shadowing,
 };
+pub use load::inspect::{PictureKey, TakenPicture, mesh_options, take_picture};
 pub use panorama::faces_from_equirectangular;
 pub use roughness::RoughnessField;
 pub use scene::{

@@ -1,6 +1,7 @@
 //! Steps from the keys of a scene file to a [`Scene`]: ranges, files, generated maps, defaults.
 
 mod environment;
+pub(crate) mod inspect;
 mod light;
 mod lights;
 mod maps;

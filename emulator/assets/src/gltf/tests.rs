@@ -8,6 +8,8 @@ use serde_json::{Value, json};
 use super::*;
 use crate::{ReadMesh, ReadOptions, read_mesh};
 
+mod integers;
+
 /// A square in the plane z = 0 with corners ±1, normals +z and texture coordinates 0 to 1 (v downwards).
 const POSITIONS: [[f32; 3]; 4] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
 const TEXCOORDS: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
@@ -156,6 +158,14 @@ fn texture_transforms_turn_scale_and_move_in_the_order_of_the_extension() {
         // (1, 0) turned by 90°: u' = 0, v' = −1.
         (json!({ "rotation": std::f64::consts::FRAC_PI_2 }), [0.0, -1.0]),
         (json!({ "rotation": std::f64::consts::PI }), [-1.0, 0.0]),
+        (json!({ "rotation": -std::f64::consts::FRAC_PI_2 }), [0.0, 1.0]),
+        (json!({ "scale": [-1, 1] }), [-1.0, 0.0]),
+        (json!({ "rotation": 0.5, "scale": [2, 3] }), [2.0 * f64::cos(0.5), -2.0 * f64::sin(0.5)]),
+        (
+            json!({ "rotation": 0.5, "scale": [2, 3], "offset": [0.1, 0.2] }),
+            [2.0 * f64::cos(0.5) + 0.1, -2.0 * f64::sin(0.5) + 0.2],
+        ),
+        (json!({ "texCoord": 0 }), [1.0, 0.0]),
     ];
     for (transform, [u, v]) in cases {
         let mut json = square();
@@ -287,6 +297,18 @@ fn errors_name_the_mistake_and_the_remedy() {
     for (json, message) in cases {
         let error = error(&json);
         assert!(error.contains(message) && error.contains("model.glb"), "{error}");
+    }
+    // A model of glTF 1.0 has objects for arrays, and its binary form another header.
+    let old = json!({ "asset": { "version": "1.0" }, "scene": "s", "scenes": { "s": { "nodes": [] } }, "meshes": {} });
+    let binary = [b"glTF\x01\0\0\0\x40\0\0\0", old.to_string().as_bytes()].concat();
+    for bytes in [old.to_string().into_bytes(), binary] {
+        let error = read_model(&Files::new().write("old.glb", &bytes)).unwrap_err().to_string();
+        assert!(error.contains("is a model of glTF 1.0, which is not read; convert it to glTF 2.0"), "{error}");
+    }
+    for name in KNOWN_EXTENSIONS {
+        let mut known = square();
+        (known["extensionsUsed"], known["extensionsRequired"]) = (json!([name]), json!([name]));
+        assert!(Files::new().model(&known).is_ok(), "{name}");
     }
     let mut required = square();
     required["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);

@@ -7,7 +7,7 @@ use roughxel_utilities::limits::MAX_COORDINATE;
 
 use super::build::{Corner, Face, Polygons, Smoothing};
 use super::error::MeshError;
-use crate::gltf::{Model, parse_model};
+use crate::gltf::Model;
 
 /// Polygons of a model, with what is said of them.
 pub(super) struct ReadModel {
@@ -17,12 +17,11 @@ pub(super) struct ReadModel {
     pub(super) warnings: Vec<String>,
 }
 
-/// Reads a glTF model; `offset` becomes the origin. Its materials and images are not used.
-pub(super) fn polygons(path: &Path, bytes: &[u8], offset: DVec3) -> Result<ReadModel, MeshError> {
-    let model = parse_model(path, bytes)?;
+/// Polygons of a glTF model from the file `path`; `offset` becomes the origin. Its materials and images are not used.
+pub(super) fn polygons(path: &Path, model: &Model, offset: DVec3) -> Result<ReadModel, MeshError> {
     let without_uv = model.parts.iter().find(|part| part.texcoords.is_empty());
     let without_uv = without_uv.map(|part| format!("{}: `{}`", path.display(), part.name));
-    let polygons = joined(&model, offset);
+    let polygons = joined(model, offset);
     if polygons.positions.iter().any(|position| position.abs().max_element() > MAX_COORDINATE) {
         let message = format!("has a position that is not within ±{MAX_COORDINATE:e} units");
         return Err(MeshError::new(path, message, "move the model to the origin, or give the key `offset`"));

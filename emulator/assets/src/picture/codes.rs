@@ -62,9 +62,9 @@ impl Codes8 {
         let Self { size: [width, height], channels, .. } = *self;
         let mut statement = Statement::default();
         name_channels(channels, &mut statement);
-        let mut words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
+        let mut words = ColourWords::new(Transfer::Srgb);
         if let Some(profile) = &self.profile {
-            profile_words(profile, "ICC profile", &mut words, &mut statement);
+            profile_words(profile, "ICC profile", &mut words);
         }
         let colours = words.decide(purpose, wishes, &mut statement);
         let table = decode_table(255, colours.transfer);

@@ -19,6 +19,8 @@ pub(super) struct Primaries {
 
 const D65: [f64; 2] = [0.3127, 0.329];
 const ACES_WHITE: [f64; 2] = [0.32168, 0.33767];
+/// White of ICC profiles, as XYZ (ICC.1:2022 §7.2.16).
+const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
 
 /// Rec. 709 and sRGB.
 pub(super) const REC_709: Primaries = Primaries { colours: [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06]], white: D65 };
@@ -114,8 +116,13 @@ impl Primaries {
         [a, b, c, d, e, f, self.white[0], self.white[1]]
     }
 
+    /// True if no chromaticity differs by more than `tolerance`.
+    pub(super) fn is_within(&self, other: &Self, tolerance: f64) -> bool {
+        self.all().iter().zip(other.all()).all(|(own, other)| (own - other).abs() <= tolerance)
+    }
+
     pub(super) fn is_near(&self, other: &Self) -> bool {
-        self.all().iter().zip(other.all()).all(|(own, other)| (own - other).abs() <= SAME)
+        self.is_within(other, SAME)
     }
 
     /// Name of a known colour space, or the chromaticities.
@@ -137,6 +144,15 @@ impl Primaries {
         (directions.determinant().abs() > 1e-6 && matrix.is_finite()).then_some(matrix)
     }
 
+    /// Chromaticities of these colours adapted to D50, as ICC profiles have them.
+    pub(super) fn under_d50(self) -> Option<Self> {
+        let own = self.to_xyz()?;
+        let adapted = adaptation(own * DVec3::ONE, D50) * own;
+        let chromaticity = |colour: DVec3| [colour.x, colour.y].map(|part| part / colour.element_sum());
+        let colours = [adapted.x_axis, adapted.y_axis, adapted.z_axis].map(chromaticity);
+        Some(Self { colours, white: chromaticity(D50) })
+    }
+
     /// Matrix to linear Rec. 709.
     ///
     /// `None` within `Some`: the colours are those of Rec. 709. `None`: the chromaticities span no space.
@@ -144,19 +160,19 @@ impl Primaries {
         if self.is_near(&REC_709) {
             return Some(None);
         }
-        // Bradford's cone responses.
-        let bradford = DMat3::from_cols_array_2d(&[
-            [0.8951, -0.7502, 0.0389],
-            [0.2664, 1.7135, -0.0685],
-            [-0.1614, 0.0367, 1.0296],
-        ]);
         let own = self.to_xyz()?;
         let target = REC_709.to_xyz()?;
-        let [from, to] = [own, target].map(|matrix| bradford * (matrix * DVec3::ONE));
-        let adapted = bradford.inverse() * DMat3::from_diagonal(to / from) * bradford;
-        let matrix = target.inverse() * adapted * own;
+        let matrix = target.inverse() * adaptation(own * DVec3::ONE, target * DVec3::ONE) * own;
         matrix.is_finite().then_some(Some(matrix))
     }
+}
+
+/// Bradford's adaptation from one white to another.
+fn adaptation(from: DVec3, to: DVec3) -> DMat3 {
+    // Cone responses.
+    let bradford =
+        DMat3::from_cols_array_2d(&[[0.8951, -0.7502, 0.0389], [0.2664, 1.7135, -0.0685], [-0.1614, 0.0367, 1.0296]]);
+    bradford.inverse() * DMat3::from_diagonal((bradford * to) / (bradford * from)) * bradford
 }
 
 /// Transfer function: from a number in a file to linear light.

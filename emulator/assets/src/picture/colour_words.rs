@@ -13,6 +13,8 @@ pub(super) struct ColourWords {
     pub(super) transfer: Option<(String, Transfer)>,
     /// Transfer function of files that say nothing.
     pub(super) default: Transfer,
+    /// Doubts about the words, one sentence each. Numbers of a data map have none.
+    pub(super) warnings: Vec<String>,
 }
 
 /// Decision about the colours of a file.
@@ -25,6 +27,11 @@ pub(super) struct Colours {
 }
 
 impl ColourWords {
+    /// Words of a file that says nothing.
+    pub(super) fn new(default: Transfer) -> Self {
+        Self { space: None, transfer: None, default, warnings: Vec::new() }
+    }
+
     /// Decides by the words of the file and the wishes, and writes both into the statement.
     pub(super) fn decide(self, purpose: Purpose, wishes: &Wishes, statement: &mut Statement) -> Colours {
         if !purpose.is_light() {
@@ -43,6 +50,7 @@ impl ColourWords {
             }
             return Colours { transfer: Transfer::Linear, matrix: None };
         }
+        statement.warnings.extend(self.warnings);
         let (said, own) = self.space.unzip();
         let wished = wishes.colour_space.map(ColourSpace::primaries);
         let converted = match wished.unwrap_or(own).map(|primaries| (primaries.name(), primaries.to_rec_709())) {

@@ -12,7 +12,7 @@ const NAMES: [&str; 2] = ["colorInteropID", "oiio:ColorSpace"];
 
 /// Primaries by `chromaticities`, by the name of a colour space, or by the flag of ACES containers, and the transfer function of the name.
 pub(super) fn colour_words(header: &Header, statement: &mut Statement) -> ColourWords {
-    let mut words = ColourWords { space: None, transfer: None, default: Transfer::Linear };
+    let mut words = ColourWords::new(Transfer::Linear);
     for attribute in NAMES {
         let Some(AttributeValue::Text(name)) = attribute_of(header, attribute) else { continue };
         let said = format!("{attribute} `{name}`");

@@ -202,7 +202,7 @@ impl Variables {
             let what = "the pixels are read as linear (`transfer` decides otherwise)";
             statement.warnings.push(format!("its GAMMA `{gamma}`: {what}"));
         }
-        (ColourWords { space, transfer: None, default: Transfer::Linear }, statement)
+        (ColourWords { space, ..ColourWords::new(Transfer::Linear) }, statement)
     }
 }
 

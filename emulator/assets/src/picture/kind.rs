@@ -20,6 +20,10 @@ pub enum Kind {
     Tiff,
     /// WebP.
     Webp,
+    /// KTX2.
+    Ktx2,
+    /// DirectDraw surface.
+    Dds,
     /// A kind without a reader, by its name.
     Other(&'static str),
 }
@@ -33,6 +37,8 @@ impl fmt::Display for Kind {
             Self::Jpeg => "JPEG",
             Self::Tiff => "TIFF",
             Self::Webp => "WebP",
+            Self::Ktx2 => "KTX2",
+            Self::Dds => "DDS",
             Self::Other(name) => name,
         })
     }
@@ -48,9 +54,9 @@ const BEGINNINGS: &[(&[u8], Kind)] = &[
     (b"MM\0*", Kind::Tiff),
     (b"II+\0", Kind::Tiff),
     (b"MM\0+", Kind::Tiff),
-    (b"\xabKTX 20\xbb", Kind::Other("KTX2")),
+    (b"\xabKTX 20\xbb", Kind::Ktx2),
     (b"\xabKTX 11\xbb", Kind::Other("KTX")),
-    (b"DDS ", Kind::Other("DDS")),
+    (b"DDS ", Kind::Dds),
     (b"GIF87a", Kind::Other("GIF")),
     (b"GIF89a", Kind::Other("GIF")),
     (b"8BPS", Kind::Other("Photoshop (PSD)")),

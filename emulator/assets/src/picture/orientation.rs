@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Picture;
+use super::decoded::Decoded;
 
 /// Order of the pixels: 1 to 8 as TIFF 6.0 defines them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,13 +19,17 @@ impl Orientation {
     /// Rows from the top, columns from the left.
     pub(super) const UPRIGHT: Self = Self(1);
 
+    /// Rows from the bottom, columns from the left.
+    pub(super) const FROM_THE_BOTTOM: Self = Self(4);
+
     /// Orientation of a tag's number; `None` for others than 1 to 8.
     pub(super) fn from_tag(number: u16) -> Option<Self> {
         (1..=8).contains(&number).then_some(Self(number))
     }
 
-    /// Orientation of EXIF data, which starts as a TIFF file does.
+    /// Orientation of EXIF data, which starts as a TIFF file does; some programs keep the name of JPEG's segment in front.
     pub(super) fn from_exif(exif: &[u8]) -> Option<Self> {
+        let exif = exif.strip_prefix(b"Exif\0\0").unwrap_or(exif);
         let big = match exif.get(..4)? {
             b"MM\0*" => true,
             b"II*\0" => false,
@@ -39,6 +44,16 @@ impl Orientation {
         let entries = usize::from(short(directory)?);
         let entry = (0..entries).map(|entry| directory + 2 + 12 * entry).find(|at| short(*at) == Some(0x0112))?;
         Self::from_tag(short(entry + 8)?)
+    }
+
+    /// A picture turned upright by the EXIF data of its file, which its statement says.
+    pub(super) fn upright(exif: Option<&[u8]>, mut read: Decoded) -> Decoded {
+        let orientation = exif.and_then(Self::from_exif).unwrap_or(Self::UPRIGHT);
+        if orientation != Self::UPRIGHT {
+            read.statement.notes.push(format!("EXIF {orientation}: the picture is turned upright"));
+        }
+        read.picture = orientation.apply(read.picture);
+        read
     }
 
     /// Turns a picture upright.

@@ -41,7 +41,7 @@ pub(super) fn read(
     }
 
     let mut statement = Statement::default();
-    let colours = colour_words(reader.info(), &mut statement).decide(purpose, wishes, &mut statement);
+    let colours = colour_words(reader.info()).decide(purpose, wishes, &mut statement);
     let channels = frame.color_type.samples();
     name_channels(channels, &mut statement);
     let orientation = reader.info().exif_metadata.as_ref().and_then(|exif| Orientation::from_exif(exif));

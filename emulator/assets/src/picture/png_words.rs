@@ -3,7 +3,6 @@
 use super::colour::{ColourSpace, Primaries, Transfer};
 use super::colour_words::ColourWords;
 use super::icc::profile_words;
-use super::statement::Statement;
 
 /// gAMA of files in sRGB: 1 / 2.2.
 const SRGB_GAMA: f64 = 0.45455;
@@ -12,12 +11,12 @@ const SAME_GAMMA: f64 = 0.01;
 const D65: [f64; 2] = [0.3127, 0.329];
 
 /// The words of the chunk of highest precedence.
-pub(super) fn colour_words(info: &png::Info<'_>, statement: &mut Statement) -> ColourWords {
-    let mut words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
+pub(super) fn colour_words(info: &png::Info<'_>) -> ColourWords {
+    let mut words = ColourWords::new(Transfer::Srgb);
     if let Some(cicp) = &info.coding_independent_code_points {
-        cicp_words(cicp, &mut words, statement);
+        cicp_words(cicp, &mut words);
     } else if let Some(profile) = &info.icc_profile {
-        profile_words(profile, "iCCP", &mut words, statement);
+        profile_words(profile, "iCCP", &mut words);
     } else if info.srgb.is_some() {
         words.space = ColourSpace::Rec709.primaries().map(|primaries| ("sRGB".to_owned(), primaries));
         words.transfer = Some(("sRGB".to_owned(), Transfer::Srgb));
@@ -43,7 +42,7 @@ pub(super) fn colour_words(info: &png::Info<'_>, statement: &mut Statement) -> C
 }
 
 /// Code points of ITU-T H.273.
-fn cicp_words(cicp: &png::CodingIndependentCodePoints, words: &mut ColourWords, statement: &mut Statement) {
+fn cicp_words(cicp: &png::CodingIndependentCodePoints, words: &mut ColourWords) {
     let primaries = |colours, white| Some(Primaries { colours, white });
     let said = format!("cICP colour primaries {}", cicp.color_primaries);
     let space = match cicp.color_primaries {
@@ -59,7 +58,7 @@ fn cicp_words(cicp: &png::CodingIndependentCodePoints, words: &mut ColourWords, 
     };
     if space.is_none() && cicp.color_primaries != 2 {
         let what = "are not known; the colours are read as Rec. 709 (`colour_space` decides otherwise)";
-        statement.warnings.push(format!("its {said} {what}"));
+        words.warnings.push(format!("its {said} {what}"));
     }
     words.space = space.map(|space| (said, space));
     let said = format!("cICP transfer function {}", cicp.transfer_function);
@@ -80,11 +79,11 @@ fn cicp_words(cicp: &png::CodingIndependentCodePoints, words: &mut ColourWords, 
         None if cicp.transfer_function != 2 => Some("is not known; the codes are read as sRGB"),
         _ => None,
     };
-    statement.warnings.extend(note.map(|note| format!("its {said} {note} (`transfer` decides otherwise)")));
+    words.warnings.extend(note.map(|note| format!("its {said} {note} (`transfer` decides otherwise)")));
     words.transfer = transfer.map(|transfer| (said, transfer));
     if !cicp.is_video_full_range_image {
         let what = "is read as the full range of codes";
-        statement
+        words
             .warnings
             .push(format!("its cICP says narrow range (black above 0), which {what}: export it in full range"));
     }

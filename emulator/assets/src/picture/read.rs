@@ -6,10 +6,10 @@ use std::path::Path;
 use super::decoded::Decoded;
 use super::kind::{HEAD_BYTES, Kind, LFS_POINTER};
 use super::statement::{PictureFile, Purpose, Wishes};
-use super::{PictureError, exr_file, hdr_file, jpeg_file, normals, open, png_file, tiff_file, webp_file};
+use super::{PictureError, exr_file, hdr_file, jpeg_file, normals, open, png_file, texture_file, tiff_file, webp_file};
 
 /// Kinds with a reader, for messages.
-const READABLE: &str = "PNG, EXR, HDR, JPEG, TIFF or WebP";
+const READABLE: &str = "PNG, EXR, HDR, JPEG, TIFF, WebP, KTX2 or DDS";
 
 /// Reads a picture file of any kind, as it says it is meant and as `wishes` decide otherwise.
 ///
@@ -39,13 +39,16 @@ pub fn read(path: &Path, purpose: Purpose, wishes: &Wishes) -> Result<PictureFil
         Kind::Jpeg => jpeg_file::read(path, reader, purpose, wishes)?,
         Kind::Tiff => tiff_file::read(path, reader, purpose, wishes)?,
         Kind::Webp => webp_file::read(path, reader, purpose, wishes)?,
+        Kind::Ktx2 | Kind::Dds => texture_file::read(path, reader, purpose, wishes)?,
         Kind::Other(name) => return Err(without_reader(path, name)),
     };
     if purpose == Purpose::Normals {
         normals::settle(path, &mut read, wishes)?;
     }
     let Decoded { picture, mut statement, .. } = read;
-    statement.kind = kind.to_string();
+    if statement.kind.is_empty() {
+        statement.kind = kind.to_string();
+    }
     statement.size = [picture.width, picture.height];
     Ok(PictureFile { picture, statement })
 }

@@ -10,8 +10,18 @@ use super::codes::decode_table;
 use super::*;
 use roughxel_utilities::random::SplitMix64;
 
+mod colours;
+pub(super) mod containers;
 mod formats;
+mod jpegs;
 mod layers;
+mod normals;
+mod profiles;
+mod refused;
+mod textures;
+mod tiffs;
+mod transfers;
+mod webps;
 mod words;
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;

@@ -3,7 +3,7 @@
 use std::io::{BufRead, Seek};
 use std::path::Path;
 
-use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
@@ -24,7 +24,7 @@ const REMEDY: &str = "a TIFF in RGB or grey, of 8 or 16 bits or floats, uncompre
 /// Reads the first page of a TIFF. Integers are sRGB, or as the ICC profile says; floats are linear. It is turned upright by its tag.
 ///
 /// # Errors
-/// A file that is truncated or damaged; signed integers, planes, palettes and colours for print; compression by CCITT or JPEG; a picture larger than
+/// A file that is truncated or damaged; signed integers, palettes and colours for print; compression by CCITT or JPEG; a picture larger than
 /// [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`]; a float that is not finite.
 pub(super) fn read(
     path: &Path,
@@ -47,26 +47,35 @@ pub(super) fn read(
     let kind = decoder.colortype().map_err(failed)?;
     let (channels, bits) = match kind {
         ColorType::Gray(bits) => (1, bits),
-        ColorType::GrayA(bits) => (2, bits),
+        // The decoder calls grey with another channel so.
+        ColorType::GrayA(bits) | ColorType::Multiband { bit_depth: bits, num_samples: 2 } => (2, bits),
         ColorType::RGB(bits) => (3, bits),
         ColorType::RGBA(bits) => (4, bits),
         ColorType::CMYK(_) | ColorType::CMYKA(_) => return Err(unsupported("is a TIFF in colours for print".into())),
         other => return Err(unsupported(format!("is a TIFF with channels {other:?}"))),
     };
     let tag = |decoder: &mut Decoder<_>, tag| decoder.find_tag_unsigned::<u16>(tag).map_err(failed);
-    if channels > 1 && tag(&mut decoder, Tag::PlanarConfiguration)? == Some(2) {
-        return Err(unsupported("is a TIFF with a plane for each channel".into()));
+    // The decoder looks for tiles of further planes below the picture.
+    if decoder.get_chunk_type() == ChunkType::Tile
+        && channels > 1
+        && tag(&mut decoder, Tag::PlanarConfiguration)? == Some(2)
+    {
+        return Err(unsupported("is a TIFF with tiles for each channel".into()));
     }
     let orientation = tag(&mut decoder, Tag::Orientation)?.and_then(Orientation::from_tag);
     let orientation = orientation.unwrap_or(Orientation::UPRIGHT);
     let mut statement = Statement::default();
     name_channels(channels, &mut statement);
-    let mut words = ColourWords { space: None, transfer: None, default: Transfer::Srgb };
+    let mut words = ColourWords::new(Transfer::Srgb);
     if let Some(profile) = decoder.find_tag(Tag::IccProfile).map_err(failed)? {
         let profile = profile.into_u8_vec().map_err(failed)?;
-        profile_words(&profile, "ICC profile", &mut words, &mut statement);
+        profile_words(&profile, "ICC profile", &mut words);
     }
-    let samples = decoder.read_image().map_err(failed)?;
+    let mut samples = DecodingResult::U8(Vec::new());
+    let layout = decoder.read_image_to_buffer(&mut samples).map_err(failed)?;
+    if layout.planes > 1 {
+        samples = interleaved(samples, channels);
+    }
     if decoder.more_images() {
         statement.ignored.push("further pages: the first is taken".to_owned());
     }
@@ -105,4 +114,20 @@ pub(super) fn read(
     }
     let picture = orientation.apply(Picture { width, height, pixels });
     Ok(Decoded { picture, statement, largest_code, channels: colours_of(channels) })
+}
+
+/// Samples of planes, one behind the other, in the order of pixels. Types that are refused stay as they are.
+fn interleaved(samples: DecodingResult, channels: usize) -> DecodingResult {
+    fn of<T: Copy>(planes: &[T], channels: usize) -> Vec<T> {
+        let size = planes.len() / channels;
+        (0..size).flat_map(|pixel| (0..channels).map(move |channel| planes[channel * size + pixel])).collect()
+    }
+    match samples {
+        DecodingResult::U8(planes) => DecodingResult::U8(of(&planes, channels)),
+        DecodingResult::U16(planes) => DecodingResult::U16(of(&planes, channels)),
+        DecodingResult::F16(planes) => DecodingResult::F16(of(&planes, channels)),
+        DecodingResult::F32(planes) => DecodingResult::F32(of(&planes, channels)),
+        DecodingResult::F64(planes) => DecodingResult::F64(of(&planes, channels)),
+        others => others,
+    }
 }

@@ -7,10 +7,11 @@ use image_webp::{DecodingError, WebPDecoder};
 
 use super::codes::Codes8;
 use super::decoded::Decoded;
+use super::orientation::Orientation;
 use super::statement::{Purpose, Wishes};
 use super::{MAX_PIXELS, PictureError, check_size};
 
-/// Reads a WebP: sRGB, or as its ICC profile says.
+/// Reads a WebP: sRGB, or as its ICC profile says; turned upright by its EXIF orientation.
 ///
 /// # Errors
 /// A file that is truncated or damaged; an animation; a picture larger than [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`].
@@ -33,5 +34,7 @@ pub(super) fn read(
     decoder.read_image(&mut codes).map_err(damaged)?;
 
     let profile = decoder.icc_profile().map_err(damaged)?;
-    Ok(Codes8 { size: [width, height], channels, codes, profile }.decode(purpose, wishes))
+    let exif = decoder.exif_metadata().map_err(damaged)?;
+    let read = Codes8 { size: [width, height], channels, codes, profile }.decode(purpose, wishes);
+    Ok(Orientation::upright(exif.as_deref(), read))
 }

@@ -3,14 +3,12 @@
 use std::path::Path;
 
 use glam::DVec3;
-use roughxel_assets::picture::beside;
 use roughxel_assets::{Mesh, Picture};
 use roughxel_core::precision::Profile;
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
 use roughxel_scene::Scene;
 use roughxel_study::profile_file::NamedPrecision;
-use serde_json::json;
 
 use super::super::failure::{Failure, scene_failure};
 
@@ -36,28 +34,35 @@ pub(super) fn of_picture(picture: &Picture) -> Picture {
     Picture { width, height, pixels }
 }
 
-/// The six faces in a row.
-pub(super) fn of_cube(faces: &[Picture; 6]) -> Picture {
-    of_picture(&beside(&faces.each_ref()))
-}
-
 /// A mesh as a mirror under the generated sky, from the front and a little above.
-pub(super) fn of_mesh(path: &Path, mesh: &Mesh) -> Result<Picture, Failure> {
+pub(super) fn of_mesh(mesh: Mesh) -> Result<Picture, Failure> {
     let positions = || mesh.vertices.iter().map(|vertex| vertex.position);
     let low = positions().fold(DVec3::INFINITY, DVec3::min);
     let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max);
     let (centre, radius) = ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3));
     let eye = centre + DVec3::new(0.3, 0.25, 1.0).normalize() * 3.1 * radius;
-    let path = std::path::absolute(path)?;
     let text = format!(
         "[camera]\neye = {:?}\ntarget = {:?}\nwidth = {EDGE}\nheight = {EDGE}\n[background]\ncolour = [0.2, 0.2, 0.2]\n\
-         [environment]\ngenerate = \"sky\"\n[[object]]\nshape = \"mesh\"\npath = {}\nmaterial = {{ reflectance = 0.9 }}\n",
+         [environment]\ngenerate = \"sky\"\n[[object]]\nshape = \"plane\"\nmaterial = {{ reflectance = 0.9 }}\n",
         eye.to_array(),
         centre.to_array(),
-        json!(path.to_string_lossy()),
     );
-    let scene = Scene::from_toml("thumbnail", &text, Path::new("")).map_err(scene_failure)?;
-    let prepared = Prepared::new(&scene, Mode::Footprint, &NamedPrecision::from(Profile::Standard).precision)?;
+    let mut scene = Scene::from_toml("thumbnail", &text, Path::new("")).map_err(scene_failure)?;
+    // The mesh takes the place of another shape: its file is read once.
+    scene.objects.iter_mut().for_each(|object| object.mesh = mesh.clone());
+    draw(&scene)
+}
+
+/// A scene, its longest edge [`EDGE`] pixels.
+pub(super) fn of_scene(scene: Scene) -> Result<Picture, Failure> {
+    let [width, height] = [scene.camera.width, scene.camera.height];
+    let longest = width.max(height);
+    let edge = |edge: u32| (u64::from(edge) * u64::from(EDGE)).div_ceil(u64::from(longest)) as u32;
+    draw(&scene.with_size(edge(width), edge(height))?)
+}
+
+fn draw(scene: &Scene) -> Result<Picture, Failure> {
+    let prepared = Prepared::new(scene, Mode::Footprint, &NamedPrecision::from(Profile::Standard).precision)?;
     let frame = prepared.render(&|| ())?;
     Ok(frame.picture())
 }

@@ -103,10 +103,11 @@ fn a_gltf_model_becomes_a_scene_with_the_values_of_its_material() {
         let right = (0.5 * base / (1.0 - reflectance)).min(1.0);
         assert!((f64::from(*got) - right).abs() < 0.01, "{colour:?}");
     }
-    // Roughness 0.6 · 128/255, squared, over √2.
+    // α is roughness 0.6 · 128/255, squared; its share is 0.8 and a part that vanishes beyond 0.07.
     let deviation = object["material"]["roughness_map"]["deviation"].as_float().unwrap();
     let share = picture(&maps.join("roughness_0.png"), Purpose::Data).pixel(0, 0)[0];
-    let right = (0.6f64 * 128.0 / 255.0).powi(2) / 2f64.sqrt();
+    let alpha = (0.6f64 * 128.0 / 255.0).powi(2);
+    let right = 0.8 * alpha + 0.2 * alpha / (1.0 + (alpha / 0.07).powi(4));
     assert!((deviation * f64::from(share) - right).abs() < 1e-4, "{deviation} {share}");
     roughxel(&["render", scene, "-o", drawn, "--size", "32x32"]).ends(0);
     // The square fills the middle and nothing else; seen from the front its reflection is no background.
@@ -172,4 +173,77 @@ fn inspect_says_what_a_file_is_and_shows_it() {
     let path = folder.join("d.png");
     fs::write(&path, b"ply\nformat ascii 1.0\n").unwrap();
     roughxel(&["inspect", path.to_str().unwrap()]).ends(1).complains(&["PLY"]);
+    let model = folder.join("b.glb");
+    roughxel(&["inspect", model.to_str().unwrap()]).ends(0).prints(&["1 part, 1 material, 3 images;"]);
+}
+
+#[test]
+fn inspect_takes_the_keys_of_a_scene_and_says_what_render_would_say() {
+    let folder = Folder::new();
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    fs::write(folder.join("a.png"), png([10, 20, 30])).unwrap();
+    // A lamp of 2^40 in a sky of 1: Radiance's mantissas and exponents.
+    let sky: Vec<u8> = (0..32).flat_map(|pixel| [128, 128, 128, if pixel == 9 { 169 } else { 129 }]).collect();
+    fs::write(folder.join("sky.hdr"), [b"#?RADIANCE\n\n-Y 4 +X 8\n", &sky[..]].concat()).unwrap();
+    fs::write(folder.join("cross.hdr"), [b"#?RADIANCE\n\n-Y 3 +X 4\n", &[128; 48][..]].concat()).unwrap();
+    fs::write(folder.join("far.obj"), "v 3e6 0 0\nv 3000001 0 0\nv 3e6 1 0\nf 1 2 3\n").unwrap();
+    let (picture, sky, cross, far) = (path("a.png"), path("sky.hdr"), path("cross.hdr"), path("far.obj"));
+    let table: [(&[&str], &str); 10] = [
+        (&[&picture, "--set", "transfer=linear"], "the file says nothing; used: linear"),
+        (&[&picture, "--as", "normals"], "PNG, 2×2"),
+        (&[&picture, "--as", "normals", "--set", "green=down"], "PNG, 2×2"),
+        (&[&picture, "--as", "heights", "--set", "wrap=false", "--set", "scale=0.1"], "PNG, 2×2"),
+        (&[&picture, "--as", "roughness", "--set", "deviation=0.5"], "PNG, 2×2"),
+        (&[&sky, "--as", "environment"], "warning: environment: 100.00 % of the light is above 1048320 × white"),
+        (&[&sky, "--as", "environment", "--set", "exposure=-10"], "choose a lower `exposure`"),
+        (&[&sky, "--as", "environment", "--set", "latitudes=[0, 90]"], "Radiance HDR, 8×4"),
+        (&[&cross, "--as", "cube"], "Radiance HDR, 4×3"),
+        (&[&far, "--set", "offset=[3000000, 0, 0]"], "mesh of 1 triangle, 3 vertices"),
+    ];
+    for (arguments, expected) in table {
+        roughxel(&[&["inspect"], arguments].concat()).ends(0).prints(&[expected]);
+    }
+    let warned = roughxel(&["inspect", &sky, "--as", "environment", "--json"]).json();
+    assert!(warned["warnings"][0].as_str().unwrap().contains("above 1048320 × white"), "{warned}");
+    let (missing, scene) = (path("none.glb"), path("a.toml"));
+    fs::write(&scene, "camera = { eye = [0, 0, 5], target = [0, 0, 0] }\n").unwrap();
+    let table: [(&[&str], i32, &str); 10] = [
+        (&[&cross, "--as", "environment"], 1, "name it with `cube`"),
+        (&[&sky, "--as", "cube"], 1, "name a panorama of longitude and latitude with `equirectangular`"),
+        (&[&picture, "--set", "layer=Combined"], 1, "which has no layer; leave `layer` out"),
+        (&[&picture, "--set", "layr=Combined"], 1, "did you mean `layer`?"),
+        (&[&picture, "--set", "layer"], 2, "a key is KEY=VALUE"),
+        (&[&far], 1, "offset = [3000000, 0, 0]"),
+        (&[&far, "--as", "colours"], 2, "leave --as out"),
+        (&[&scene, "--set", "a=b"], 2, "leave --set out"),
+        (&[&missing], 1, "cannot open the model `"),
+        (&[folder.path().to_str().unwrap()], 1, "` is a directory; name a file in it"),
+    ];
+    for (arguments, code, expected) in table {
+        roughxel(&[&["inspect"], arguments].concat()).ends(code).complains(&[expected]);
+    }
+}
+
+#[test]
+fn inspect_lists_the_pictures_of_a_scene_and_draws_it() {
+    let folder = Folder::new();
+    let [scene, thumbnail] = ["a.toml", "a.png"].map(|name| folder.join(name));
+    fs::write(folder.join("map.png"), png([200, 100, 50])).unwrap();
+    let text = "camera = { eye = [0, 5, 0.1], target = [0, 0, 0], width = 300, height = 100 }\n[[light]]\ndirection = [0, 1, 0]\n\
+                [[object]]\nname = \"floor\"\nshape = \"plane\"\nmaterial.colour_map = { path = \"map.png\" }\n";
+    fs::write(&scene, text).unwrap();
+    let [scene, shown] = [&scene, &thumbnail].map(|path| path.to_str().unwrap());
+    roughxel(&["inspect", scene, "-o", shown]).ends(0).prints(&[
+        "scene of 1 object, 1 light, no environment",
+        "`roughxel plan` says which effects",
+        "floor: colour map: map.png: PNG, 2×2",
+    ]);
+    let drawn = picture(&thumbnail, Purpose::Colours);
+    assert_eq!([drawn.width, drawn.height], [512, 171]);
+    let json = roughxel(&["inspect", scene, "--json"]).json();
+    assert_eq!((&json["kind"], &json["objects"][0]), (&json!("scene"), &json!("floor")));
+    assert_eq!(json["pictures"][0]["path"], "map.png");
+    fs::write(scene, "nothing = 1\n").unwrap();
+    roughxel(&["inspect", scene]).ends(1).complains(&["a.toml:1:1"]);
+    roughxel(&["inspect", "none.toml"]).ends(1).complains(&["there is no such scene file"]);
 }

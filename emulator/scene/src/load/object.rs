@@ -19,7 +19,7 @@ use roughxel_assets::{MAX_TRIANGLES, Mesh, ReadMesh, ReadOptions, Tangents, Vert
 use roughxel_utilities::limits::{LENGTHS, MAX_COORDINATE};
 
 /// Largest offset of a mesh, units: there, coordinates are still exact to a millionth.
-const MAX_OFFSET: f64 = 1e9;
+pub(super) const MAX_OFFSET: f64 = 1e9;
 
 /// One object, its maps read.
 pub(super) fn object(

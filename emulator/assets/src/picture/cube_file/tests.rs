@@ -4,7 +4,11 @@ use std::path::PathBuf;
 
 use roughxel_utilities::random::SplitMix64;
 
+use exr::prelude::f16;
+
 use super::*;
+use crate::picture::Transfer;
+use crate::picture::tests::containers::{CUBE, dds_header, ktx2_file};
 
 /// A file of a test.
 struct Files(tempfile::TempDir);
@@ -23,49 +27,6 @@ impl Files {
     fn read(&self, bytes: &[u8]) -> Result<CubeFile, PictureError> {
         read_cube(&self.write(bytes), &Wishes::default())
     }
-}
-
-fn words(all: &[u32]) -> Vec<u8> {
-    all.iter().flat_map(|word| word.to_le_bytes()).collect()
-}
-
-/// A DDS header: 128 bytes, and 20 more for a DXGI format.
-fn dds_header(edge: u32, levels: u32, four_cc: &[u8; 4], dxgi: Option<u32>) -> Vec<u8> {
-    let mut bytes = b"DDS ".to_vec();
-    // Size; flags caps, height, width, pixel format, levels; height, width, pitch, depth, levels.
-    bytes.extend(words(&[124, 0x21007, edge, edge, 0, 0, levels]));
-    bytes.extend([0; 44]);
-    bytes.extend(words(&[32, 4]));
-    bytes.extend(four_cc);
-    bytes.extend([0; 20]);
-    // Caps: complex, texture, levels. Caps2: a cube map with all faces.
-    bytes.extend(words(&[0x0040_1008, 0xfe00, 0, 0, 0]));
-    if let Some(format) = dxgi {
-        bytes.extend(words(&[format, 3, 4, 1, 0]));
-    }
-    bytes
-}
-
-/// A KTX2 file with one level, without key values.
-fn ktx2_file(format: u32, type_size: u32, edge: u32, transfer: u8, level: &[u8]) -> Vec<u8> {
-    let mut bytes = b"\xabKTX 20\xbb\r\n\x1a\n".to_vec();
-    // Format, size of a type, width, height, depth, layers, faces, levels, supercompression.
-    bytes.extend(words(&[format, type_size, edge, edge, 0, 0, 6, 1, 0]));
-    let dfd_length = 4 + 24 + 16;
-    let dfd_start = 80 + 24;
-    bytes.extend(words(&[dfd_start, dfd_length, 0, 0]));
-    bytes.extend([0; 16]);
-    let level_start = u64::from(dfd_start + dfd_length).next_multiple_of(16);
-    for number in [level_start, level.len() as u64, level.len() as u64] {
-        bytes.extend(number.to_le_bytes());
-    }
-    // One basic block: model RGBSDA (1), BT.709 primaries (1), the transfer function, one sample.
-    bytes.extend(words(&[dfd_length, 0, 2 | 40 << 16]));
-    bytes.extend([1, 1, transfer, 0, 0, 0, 0, 0, 8, 0, 0, 0, 0, 0, 0, 0]);
-    bytes.extend([0; 16]);
-    bytes.resize(level_start as usize, 0);
-    bytes.extend(level);
-    bytes
 }
 
 /// Half floats of a face: red is the face, green the row, blue the column.
@@ -97,12 +58,12 @@ fn faces_are_in_order_with_rows_from_the_top_and_lower_levels_left_out() {
     // DXGI R16G16B16A16_FLOAT is 10; Direct3D 9's A16B16G16R16F is 113.
     for (four_cc, dxgi) in [(*b"DX10", Some(10)), ([113, 0, 0, 0], None)] {
         for levels in [1, 2, 3] {
-            let bytes = [dds_header(4, levels, &four_cc, dxgi), half_faces(4, levels)].concat();
+            let bytes = [dds_header([4; 2], levels, CUBE, &four_cc, dxgi), half_faces(4, levels)].concat();
             check_ramp(&files.read(&bytes).unwrap(), 4);
         }
     }
     // VK_FORMAT_R16G16B16A16_SFLOAT is 97.
-    let cube = files.read(&ktx2_file(97, 2, 4, 1, &half_faces(4, 1))).unwrap();
+    let cube = files.read(&ktx2_file(97, 2, [4; 2], 6, 1, &half_faces(4, 1))).unwrap();
     check_ramp(&cube, 4);
     assert_eq!(cube.statement.transfer.unwrap().used, "linear");
 }
@@ -117,11 +78,11 @@ fn codes_follow_the_transfer_function_that_the_file_names() {
     let linear: Decode = |code| code / 255.0;
     let srgb: Decode = |code| super::super::srgb_to_linear(f64::from(code) / 255.0) as f32;
     // (bytes of the file, decoding of a code, says so); VK R8G8B8A8 UNORM is 37, SRGB 43; DXGI UNORM 28, SRGB 29.
-    let unorm = |dxgi| [dds_header(1, 1, b"DX10", Some(dxgi)), level.clone()].concat();
+    let unorm = |dxgi| [dds_header([1; 2], 1, CUBE, b"DX10", Some(dxgi)), level.clone()].concat();
     let cases: [(Vec<u8>, Decode); 5] = [
-        (ktx2_file(37, 1, 1, 1, &level), linear),
-        (ktx2_file(37, 1, 1, 2, &level), srgb),
-        (ktx2_file(43, 1, 1, 2, &level), srgb),
+        (ktx2_file(37, 1, [1; 2], 6, 1, &level), linear),
+        (ktx2_file(37, 1, [1; 2], 6, 2, &level), srgb),
+        (ktx2_file(43, 1, [1; 2], 6, 2, &level), srgb),
         (unorm(28), linear),
         (unorm(29), srgb),
     ];
@@ -133,17 +94,6 @@ fn codes_follow_the_transfer_function_that_the_file_names() {
     let wished =
         read_cube(&files.write(&unorm(28)), &Wishes { transfer: Some(Transfer::Srgb), ..Default::default() }).unwrap();
     assert_eq!(wished.faces[0].pixels[0][1], srgb(128.0));
-}
-
-#[test]
-fn packed_floats_have_the_values_of_their_formats() {
-    // 1.0 is 512 · 2^(−9): mantissa 256 with exponent 16 is 256 · 2^(−8).
-    assert_eq!(shared_exponent(16 << 27 | 256), [1.0, 0.0, 0.0]);
-    assert_eq!(shared_exponent(31 << 27 | 511 << 18), [0.0, 0.0, 65408.0]);
-    assert_eq!(shared_exponent(1), [2f32.powi(-24), 0.0, 0.0]);
-    // Exponent 15, fraction 0 is 1; the largest finite values are 65024 and 64512.
-    assert_eq!(packed_11(15 << 6 | (15 << 6) << 11 | (15 << 5) << 22), [1.0; 3]);
-    assert_eq!(packed_11((30 << 6 | 63) | (30 << 5 | 31) << 22), [65024.0, 0.0, 64512.0]);
 }
 
 #[test]
@@ -159,7 +109,7 @@ fn blocks_lie_in_rows_and_those_beyond_the_edge_are_clipped() {
     };
     // 6×6 texels are 2×2 blocks a face.
     let faces: Vec<u8> = (0..6).flat_map(|_| [0, 84, 168, 254].into_iter().flat_map(block)).collect();
-    let bytes = [dds_header(6, 1, b"DX10", Some(98)), faces].concat();
+    let bytes = [dds_header([6; 2], 1, CUBE, b"DX10", Some(98)), faces].concat();
     let cube = Files::new().read(&bytes).unwrap();
     let code = |x: u32, y: u32| (cube.faces[5].pixel(x, y)[1] * 255.0).round() as i32;
     // Seven bits become eight by repeating the top one.
@@ -172,27 +122,27 @@ fn files_of_other_kinds_are_named() {
     let files = Files::new();
     let error = |bytes: &[u8]| files.read(bytes).unwrap_err().to_string();
     assert!(error(b"\x89PNG").contains("neither a KTX2 nor a DDS"));
-    let mut flat = dds_header(4, 1, b"DX10", Some(10));
+    let mut flat = dds_header([4; 2], 1, CUBE, b"DX10", Some(10));
     flat[112] = 0;
     flat[113] = 0;
     flat[136] = 0;
     assert!(error(&flat).contains("no single cube map"), "{}", error(&flat));
-    assert!(error(&[dds_header(4, 1, b"DXT1", None), vec![0; 48]].concat()).contains("DXT1"));
-    assert!(error(&ktx2_file(97, 2, 4, 1, &half_faces(4, 1)[..700])).contains("it ends within face 5"));
-    assert!(error(&dds_header(4097, 1, b"DX10", Some(10))).contains("4097×4097"));
-    assert!(error(&ktx2_file(131, 1, 4, 2, &[0; 48])).contains("BC1"));
+    assert!(error(&[dds_header([4; 2], 1, CUBE, b"UYVY", None), vec![0; 192]].concat()).contains("UYVY"));
+    assert!(error(&ktx2_file(97, 2, [4; 2], 6, 1, &half_faces(4, 1)[..700])).contains("it ends within face 5"));
+    assert!(error(&dds_header([4097; 2], 1, CUBE, b"DX10", Some(10))).contains("4097×4097"));
+    assert!(error(&ktx2_file(140, 1, [4; 2], 6, 2, &[0; 48])).contains("BC4_SNORM"));
     let infinite = [f16::INFINITY.to_le_bytes(); 24].concat();
-    assert!(error(&ktx2_file(97, 2, 1, 1, &infinite)).contains("not finite at face 0, pixel (0, 0)"));
+    assert!(error(&ktx2_file(97, 2, [1; 2], 6, 1, &infinite)).contains("not finite at face 0, pixel (0, 0)"));
 }
 
 #[test]
 fn damaged_cube_maps_are_errors_and_no_panics() {
     let files = Files::new();
     let whole = [
-        [dds_header(4, 3, b"DX10", Some(10)), half_faces(4, 3)].concat(),
-        [dds_header(4, 1, b"DX10", Some(95)), vec![0xa5; 96]].concat(),
-        ktx2_file(97, 2, 4, 1, &half_faces(4, 1)),
-        ktx2_file(145, 1, 4, 2, &[0x5a; 96]),
+        [dds_header([4; 2], 3, CUBE, b"DX10", Some(10)), half_faces(4, 3)].concat(),
+        [dds_header([4; 2], 1, CUBE, b"DX10", Some(95)), vec![0xa5; 96]].concat(),
+        ktx2_file(97, 2, [4; 2], 6, 1, &half_faces(4, 1)),
+        ktx2_file(145, 1, [4; 2], 6, 2, &[0x5a; 96]),
     ];
     let mut random = SplitMix64::new(11);
     for bytes in whole {

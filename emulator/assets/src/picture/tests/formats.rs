@@ -11,23 +11,27 @@ use tiff::tags::Tag;
 
 use super::*;
 
-const RGB_JPEG: &[u8] = include_bytes!("data/rgb.jpg");
+pub(super) const RGB_JPEG: &[u8] = include_bytes!("data/rgb.jpg");
 const PROGRESSIVE_JPEG: &[u8] = include_bytes!("data/progressive.jpg");
 const GREY_JPEG: &[u8] = include_bytes!("data/grey.jpg");
 const CMYK_JPEG: &[u8] = include_bytes!("data/cmyk.jpg");
 const TURNED_JPEG: &[u8] = include_bytes!("data/turned.jpg");
+const RESTART_JPEG: &[u8] = include_bytes!("data/restart.jpg");
+const RGB_STORED_JPEG: &[u8] = include_bytes!("data/rgb_stored.jpg");
+const LOSSY_ALPHA_WEBP: &[u8] = include_bytes!("data/lossy_alpha.webp");
+const PLANAR_TILES_TIFF: &[u8] = include_bytes!("data/planar_tiles.tif");
 const SUBSAMPLED_JPEG: &[u8] = include_bytes!("data/subsampled.jpg");
 const LOSSY_WEBP: &[u8] = include_bytes!("data/lossy.webp");
 const ANIMATED_WEBP: &[u8] = include_bytes!("data/animated.webp");
 const PALETTE_TIFF: &[u8] = include_bytes!("data/palette.tif");
 
-fn read_as(name: &str, bytes: &[u8], purpose: Purpose) -> Result<PictureFile, PictureError> {
+pub(super) fn read_as(name: &str, bytes: &[u8], purpose: Purpose) -> Result<PictureFile, PictureError> {
     let directory = Directory::new().unwrap();
     read(&directory.file(name, bytes).unwrap(), purpose, &Wishes::default())
 }
 
 /// 8-bit codes of a pixel.
-fn codes(read: &PictureFile, x: u32, y: u32) -> [i32; 3] {
+pub(super) fn codes(read: &PictureFile, x: u32, y: u32) -> [i32; 3] {
     read.picture.pixel(x, y).map(|value| (value * 255.0).round() as i32)
 }
 
@@ -146,6 +150,7 @@ fn tiffs_of_other_kinds_are_named_for_what_they_are() {
         (tiff_of::<colortype::CMYK8>(1, &[1, 2, 3, 4], plain, &[]), "a TIFF in colours for print"),
         (tiff_of::<colortype::GrayI16>(2, &[-1, 5], plain, &[]), "a TIFF with integers of 16 bits"),
         (tiff_of::<colortype::Gray32>(2, &[1, 5], plain, &[]), "a TIFF with integers of 32 bits"),
+        (PLANAR_TILES_TIFF.to_vec(), "is a TIFF with tiles for each channel, which is not read; export it as a TIFF"),
         (nan, "has the value NaN at pixel (1, 0)"),
     ] {
         let error = read_as("a.tif", &bytes, Purpose::Colours).unwrap_err().to_string();
@@ -180,8 +185,8 @@ fn files_are_known_by_their_bytes_and_others_are_named() {
         assert_eq!(read_as(name, &png, Purpose::Data).unwrap().statement.kind, "PNG", "{name}");
     }
     let table: [(&str, &[u8], &str); 14] = [
-        ("a.png", b"DDS \x7c\0\0\0", "is a file of the kind DDS, which is not read"),
-        ("a.png", b"\xabKTX 20\xbb\r\n\x1a\n", "is a file of the kind KTX2, which is not read"),
+        ("a.png", b"DDS \x7c\0\0\0", "is not a readable DDS file"),
+        ("a.png", b"\xabKTX 20\xbb\r\n\x1a\n", "is not a readable KTX2 file"),
         ("a.exr", b"GIF89a\x01\0\x01\0", "kind GIF"),
         ("a.hdr", b"BM\x36\0\0\0\0\0\0\0\x36\0\0\0", "kind BMP"),
         ("a.png", b"8BPS\0\x01", "kind Photoshop (PSD)"),
@@ -229,6 +234,13 @@ fn truncated_and_damaged_files_of_all_formats_never_panic() {
         PROGRESSIVE_JPEG.to_vec(),
         SUBSAMPLED_JPEG.to_vec(),
         TURNED_JPEG.to_vec(),
+        RESTART_JPEG.to_vec(),
+        RGB_STORED_JPEG.to_vec(),
+        LOSSY_ALPHA_WEBP.to_vec(),
+        PLANAR_TILES_TIFF.to_vec(),
+        include_bytes!("data/planar.tif").to_vec(),
+        include_bytes!("data/planar_float.tif").to_vec(),
+        include_bytes!("data/tiles.tif").to_vec(),
         GREY_JPEG.to_vec(),
         LOSSY_WEBP.to_vec(),
         ANIMATED_WEBP.to_vec(),

@@ -1,6 +1,5 @@
 //! OpenEXR files of many programs: layers, windows, signs, colour spaces, and kinds that are not read.
 
-use exr::compression::Compression;
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Chromaticities, EnvironmentMap, IntegerBounds, Text};
 use exr::prelude::{
@@ -25,7 +24,7 @@ fn bytes_of(attributes: ImageAttributes, layers: Vec<Layer<AnyChannels<FlatSampl
 }
 
 /// A file of 2×2 pixels of one colour.
-fn parts(parts: &[Part<'_>]) -> Vec<u8> {
+pub(super) fn parts(parts: &[Part<'_>]) -> Vec<u8> {
     let flat = |(name, channels): &Part<'_>| {
         let channels: Vec<_> = channels.iter().map(|(name, value)| (*name, vec![*value; 4])).collect();
         layer(name, [2, 2], &channels)
@@ -33,7 +32,7 @@ fn parts(parts: &[Part<'_>]) -> Vec<u8> {
     bytes_of(ImageAttributes::with_size((2, 2)), parts.iter().map(flat).collect())
 }
 
-fn read_bytes(bytes: &[u8], purpose: Purpose, wishes: &Wishes) -> Result<PictureFile, PictureError> {
+pub(super) fn read_bytes(bytes: &[u8], purpose: Purpose, wishes: &Wishes) -> Result<PictureFile, PictureError> {
     let directory = Directory::new().unwrap();
     read(&directory.file("a.exr", bytes).unwrap(), purpose, wishes)
 }
@@ -339,37 +338,4 @@ fn the_projection_of_a_panorama_is_told() {
         let read = read_bytes(&bytes, Purpose::Environment, &Wishes::default()).unwrap();
         assert_eq!(read.statement.envmap, Some(expected));
     }
-}
-
-/// Puts a byte behind the text of an attribute's name, type and length.
-fn patch(bytes: &[u8], attribute: &[u8], offset: usize, value: &[u8]) -> Vec<u8> {
-    let mut patched = bytes.to_vec();
-    let at = bytes.windows(attribute.len()).position(|window| window == attribute).unwrap() + attribute.len() + offset;
-    patched[at..at + value.len()].copy_from_slice(value);
-    patched
-}
-
-#[test]
-fn valid_files_of_other_kinds_are_named_for_what_they_are() {
-    let file = parts(&[("", &[("Y", 0.5)])]);
-    let compression = |method: u8| patch(&file, b"compression\0compression\0", 4, &[method]);
-    let mut deep = file.clone();
-    deep[5] |= 0x08;
-    let half = patch(&file, b"chlist\0", 4 + 2 + 8, &[2, 0, 0, 0, 2, 0, 0, 0]);
-    for (bytes, expected) in [
-        (compression(6), "is compressed by B44"),
-        (compression(7), "is compressed by B44"),
-        (compression(10), "is compressed by HTJ2K (JPEG 2000)"),
-        (compression(11), "is compressed by HTJ2K (JPEG 2000)"),
-        (compression(12), "is compressed by a newer method than is read (such as ZSTD)"),
-        (deep, "holds deep data"),
-        (half, "has channels of lower resolution (luminance and chroma)"),
-    ] {
-        let error = read_bytes(&bytes, Purpose::Colours, &Wishes::default()).unwrap_err().to_string();
-        assert!(error.contains(expected), "{expected}: {error}");
-        assert!(error.contains("; export it as"), "{error}");
-    }
-    let supported = Encoding { compression: Compression::DWAA(None), ..Encoding::default() };
-    let bytes = exr_bytes(8, &[("Y", vec![0.5; 64])], supported).unwrap();
-    assert!(read_bytes(&bytes, Purpose::Colours, &Wishes::default()).is_ok());
 }

@@ -9,7 +9,7 @@ fn crc(bytes: impl Iterator<Item = u8>) -> u32 {
     })
 }
 
-fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
+pub(super) fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let sum = crc(name.iter().chain(data).copied());
     [&(data.len() as u32).to_be_bytes()[..], name, data, &sum.to_be_bytes()].concat()
 }
@@ -25,7 +25,7 @@ fn stored(data: &[u8]) -> Vec<u8> {
 }
 
 /// An ICC profile that has a name alone, as version 2 or 4 writes it.
-fn profile(name: &str, version: u8) -> Vec<u8> {
+pub(super) fn profile(name: &str, version: u8) -> Vec<u8> {
     let text: Vec<u8> = if version == 2 {
         [b"desc\0\0\0\0", &(name.len() as u32 + 1).to_be_bytes()[..], name.as_bytes(), b"\0"].concat()
     } else {
@@ -45,14 +45,14 @@ fn profile(name: &str, version: u8) -> Vec<u8> {
 }
 
 /// A PNG of one 16-bit colour with chunks in front of its pixels.
-fn png(colour: [u16; 3], chunks: &[Vec<u8>]) -> Vec<u8> {
+pub(super) fn png(colour: [u16; 3], chunks: &[Vec<u8>]) -> Vec<u8> {
     let samples = colour.map(u16::to_be_bytes).concat();
     let plain = png_bytes((1, 1), ColorType::Rgb, BitDepth::Sixteen, None, &samples).unwrap();
     // The signature has 8 bytes, the header chunk 25.
     [&plain[..33], &chunks.concat(), &plain[33..]].concat()
 }
 
-fn gama(gamma: f64) -> Vec<u8> {
+pub(super) fn gama(gamma: f64) -> Vec<u8> {
     chunk(b"gAMA", &((gamma * 1e5).round() as u32).to_be_bytes())
 }
 
@@ -61,12 +61,16 @@ fn chrm(numbers: [f64; 8]) -> Vec<u8> {
     chunk(b"cHRM", &[xw, yw, xr, yr, xg, yg, xb, yb].concat())
 }
 
-fn cicp(primaries: u8, transfer: u8) -> Vec<u8> {
+pub(super) fn cicp(primaries: u8, transfer: u8) -> Vec<u8> {
     chunk(b"cICP", &[primaries, transfer, 0, 1])
 }
 
+pub(super) fn iccp_of(profile: &[u8]) -> Vec<u8> {
+    chunk(b"iCCP", &[b"icc\0\0", &stored(profile)[..]].concat())
+}
+
 fn iccp(name: &str, version: u8) -> Vec<u8> {
-    chunk(b"iCCP", &[b"icc\0\0", &stored(&profile(name, version))[..]].concat())
+    iccp_of(&profile(name, version))
 }
 
 fn srgb() -> Vec<u8> {
@@ -85,7 +89,7 @@ fn the_chunk_of_highest_precedence_decides() {
     // Perceptual quantiser of 0.5: 92.2457 cd/m², a published value. Hybrid log-gamma: x²/3 against its value at 0.75.
     let pq = 92.2457 / 203.0;
     let hlg = (0.25 / 3.0) / ((((0.75_f64 - 0.559_910_73) / 0.178_832_77).exp() + 0.284_668_92) / 12.0);
-    let table: [(&str, Vec<Vec<u8>>, f64, usize); 24] = [
+    let table: [(&str, Vec<Vec<u8>>, f64, usize); 28] = [
         ("nothing", vec![], srgb_half, 0),
         ("sRGB", vec![srgb()], srgb_half, 0),
         ("sRGB before gAMA", vec![gama(1.0), srgb()], srgb_half, 0),
@@ -93,6 +97,10 @@ fn the_chunk_of_highest_precedence_decides() {
         ("gAMA of sRGB", vec![gama(0.45455)], srgb_half, 0),
         ("gAMA of sRGB, rounded otherwise", vec![gama(0.45454)], srgb_half, 0),
         ("gAMA of an old Macintosh", vec![gama(0.55556)], power(1.0 / 0.55556), 0),
+        ("gAMA of a camera", vec![gama(0.45)], power(1.0 / 0.45), 0),
+        ("gAMA of a projector", vec![gama(0.38462)], power(2.6), 0),
+        ("gAMA of a square", vec![gama(0.5)], 0.25, 0),
+        ("gAMA above 1", vec![gama(2.0)], power(0.5), 0),
         ("gAMA with cHRM", vec![gama(1.0), chrm(REC_709)], 0.5, 0),
         ("gAMA with another cHRM", vec![gama(1.0), chrm(ADOBE)], 0.5, 0),
         ("cHRM alone", vec![chrm(ADOBE)], srgb_half, 0),

@@ -125,6 +125,63 @@ fn light_below_0_is_counted_before_it_is_cut() {
 }
 
 #[test]
+fn heights_of_any_sign_have_the_slopes_of_their_differences() {
+    for (kind, heights, scale) in [
+        ("above 0", [0.0, 0.25, 0.5, 0.25], 0.1),
+        ("below 0", [-0.5, -0.25, 0.0, -0.25], 0.1),
+        ("around 0", [-0.5, 0.0, 0.5, 0.0], 0.1),
+        ("all below 0", [-3.0, -2.5, -4.0, -2.0], 0.1),
+        ("metres below the sea", [-4000.0, -3999.0, -4000.5, -3998.0], 0.1),
+        ("a scale below 0", [-0.5, 0.0, 0.5, 0.0], -0.1),
+        ("one pit", [0.0, 0.0, -1.0, 0.0], 0.2),
+        ("one peak", [0.0, 0.0, 1.0, 0.0], 0.2),
+        ("tiny", [-1e-6, 0.0, 1e-6, 0.0], 1000.0),
+        ("level below 0", [-2.0; 4], 0.5),
+        ("minus zero", [-0.0, 0.0, -0.0, 0.0], 1.0),
+    ] {
+        let keys = format!("height_map = {{ path = \"h.exr\", scale = {scale} }}");
+        let scene = scene(&keys, &[("h.exr", exr(4, None, &[("Y", heights.to_vec())]))]).unwrap();
+        for (index, offset) in offsets(&scene).iter().enumerate() {
+            let [left, right] = [(index + 3) % 4, (index + 1) % 4].map(|index| f64::from(heights[index]));
+            // Four texels in a repeat; two between the neighbours.
+            let expected = (-scale * (right - left) * 4.0 / 2.0).clamp(-8.0, 8.0);
+            assert!(
+                (f64::from(offset[0]) - expected).abs() < 1e-3 && offset[1] == 0.0,
+                "{kind}: {offset:?} {expected}"
+            );
+        }
+        assert!(scene.warnings.iter().all(|warning| warning.contains("steeper than")), "{kind}: {:?}", scene.warnings);
+    }
+}
+
+#[test]
+fn light_below_0_is_told_by_its_share_in_every_use() {
+    for (kind, [red, green, blue], share) in [
+        ("none", [1.0, 0.5, 0.25], None),
+        ("black", [0.0; 3], None),
+        ("red", [-0.5, 1.0, 1.0], Some("20.00 %")),
+        ("green", [3.0, -1.0, 0.0], Some("25.00 %")),
+        ("blue", [1.0, 1.0, -2.0], Some("50.00 %")),
+        ("two channels", [-1.0, -1.0, 8.0], Some("20.00 %")),
+        ("all", [-1.0, -2.0, -3.0], Some("100.00 %")),
+        ("a trace", [1.0, 1.0, -1e-5], Some("less than 0.01 %")),
+        ("next to bright light", [60.0, 39.0, -1.0], Some("1.00 %")),
+        ("minus zero", [-0.0, 1.0, 1.0], None),
+    ] {
+        let channels = [("B", vec![blue; 8]), ("G", vec![green; 8]), ("R", vec![red; 8])];
+        let files = [("c.exr", exr(4, None, &channels))];
+        let map = scene("colour_map = { path = \"c.exr\" }", &files).unwrap();
+        let text = format!("{HEAD}environment = {{ equirectangular = \"c.exr\", face_edge = 4 }}\n");
+        let sky = scene_of(&text, &files).unwrap();
+        for (scene, name) in [(&map, "it: colour map"), (&sky, "environment")] {
+            let expected: Vec<String> =
+                share.iter().map(|share| format!("{name}: {share} of the light is below 0 and was cut")).collect();
+            assert_eq!(scene.warnings, expected, "{kind}");
+        }
+    }
+}
+
+#[test]
 fn a_crop_of_a_panorama_is_black_outside_and_says_so() {
     let upper = exr(4, Some([[0, 0, 3, 0], [0, 0, 3, 1]]), &[("Y", vec![1.0; 4])]);
     let text = |keys: &str| {
@@ -174,8 +231,8 @@ fn keys_decide_against_a_file_and_belong_to_files_of_their_use() {
 #[test]
 fn errors_name_the_kind_and_the_remedy_and_paths_alone_are_relative() {
     let error = |bytes: &[u8]| scene("colour_map = { path = \"c.png\" }", &[("c.png", bytes.to_vec())]).unwrap_err();
-    let dds = error(b"DDS \x7c\0\0\0");
-    assert!(dds.contains("c.png` is a file of the kind DDS, which is not read (export it as PNG, EXR"), "{dds}");
+    let gif = error(b"GIF89a\x01\0\x01\0");
+    assert!(gif.contains("c.png` is a file of the kind GIF, which is not read (export it as PNG, EXR"), "{gif}");
     let damaged = error(b"\x89PNG\r\n\x1a\n");
     assert!(
         damaged.contains("is not a readable PNG file") && damaged.contains("(export it again as PNG)"),
@@ -183,7 +240,7 @@ fn errors_name_the_kind_and_the_remedy_and_paths_alone_are_relative() {
     );
     let missing = scene("colour_map = { path = \"c.png\" }", &[]).unwrap_err();
     assert!(missing.contains("cannot open picture") && missing.contains("(paths are relative to the scene file)"));
-    for other in [dds, damaged] {
+    for other in [gif, damaged] {
         assert!(!other.contains("relative"), "{other}");
     }
 }
