@@ -7,7 +7,7 @@ use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FootprintKind};
 use roughxel_core::precision::RoughnessKind;
 use roughxel_host_tests::simulators::have;
-use roughxel_host_tests::space::{profiles, sweep, whole_or};
+use roughxel_host_tests::space::{is_full_run, profiles, whole_or};
 use roughxel_netlist::verilog::{Fault, Folded, Options};
 use roughxel_record as record;
 
@@ -122,7 +122,7 @@ fn a_wrong_slot_a_wrong_operand_and_a_missing_wait_are_found() {
 #[test]
 fn folded_designs_lint_clean_and_give_the_scalar_bits_in_icarus() {
     let mut cases = vec![("narrow", FULL, 8), ("compact", PLANS[1].1, 4), ("standard", PLANS[2].1, 1)];
-    if sweep() {
+    if is_full_run() {
         let profiles = profiles().into_iter().flat_map(|(profile, _)| PLANS.map(|(_, effects)| (profile, effects)));
         cases = profiles.flat_map(|(profile, effects)| [1, 2, 8, 32].map(|k| (profile, effects, k))).collect();
     }
