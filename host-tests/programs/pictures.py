@@ -253,9 +253,10 @@ def _(folder):
     return bump_map(folder, "pillow_bc5.dds", normals)
 
 
-@row("three.js", "three", "three_flat.ktx2", "KTX2 of floats, not a cube", 2)
+@row("three.js", "three", "three_flat.ktx2", "KTX2 of floats, not a cube; its rows go upwards, but it says downwards", 2)
 def _(folder):
-    return colour_map("three_flat.ktx2", right.panorama(256, 128))
+    # KTX 2.0: without the key KTXorientation, row 0 is the top one.
+    return colour_map("three_flat.ktx2", right.panorama(256, 128)[::-1])
 
 
 def prepare(folder):

@@ -232,7 +232,7 @@ fn dds_content<'a>(path: &Path, dds: &'a ddsfile::Dds, images: usize) -> Result<
     let (format, name, transfer) = match (dxgi, dds.get_d3d_format()) {
         (Some(format), _) if dds.header10.is_some() || blocks.contains(&format) => {
             let (texels, transfer) = dxgi_format(format).ok_or_else(|| unknown(Some(format!("{format:?}"))))?;
-            (texels, format!("{format:?}"), dds.header10.is_some().then_some(transfer))
+            (texels, format!("{format:?}"), transfer.filter(|_| dds.header10.is_some()))
         }
         (_, Some(format)) if dds.header10.is_none() => {
             let texels = d3d_format(format).ok_or_else(|| unknown(Some(format!("{format:?}"))))?;
@@ -251,38 +251,41 @@ fn dds_content<'a>(path: &Path, dds: &'a ddsfile::Dds, images: usize) -> Result<
     Ok(Content { images, size, format, name: format!("DDS, {name}"), transfer, space: None, orientation })
 }
 
-fn dxgi_format(format: ddsfile::DxgiFormat) -> Option<(TexelFormat, Transfer)> {
+/// Texels of a format, and the transfer function that it names; formats without a type name none.
+fn dxgi_format(format: ddsfile::DxgiFormat) -> Option<(TexelFormat, Option<Transfer>)> {
     use ddsfile::DxgiFormat as F;
-    Some(match format {
-        F::R8_UNorm => (TexelFormat::Codes(1, [0; 3]), Transfer::Linear),
-        F::R8G8_UNorm => (TexelFormat::Codes(2, [0, 1, 1]), Transfer::Linear),
-        F::R8G8B8A8_UNorm => (TexelFormat::Codes(4, [0, 1, 2]), Transfer::Linear),
-        F::R8G8B8A8_UNorm_sRGB => (TexelFormat::Codes(4, [0, 1, 2]), Transfer::Srgb),
-        F::B8G8R8A8_UNorm | F::B8G8R8X8_UNorm => (TexelFormat::Codes(4, [2, 1, 0]), Transfer::Linear),
-        F::B8G8R8A8_UNorm_sRGB | F::B8G8R8X8_UNorm_sRGB => (TexelFormat::Codes(4, [2, 1, 0]), Transfer::Srgb),
-        F::R16_Float => (TexelFormat::Half(1), Transfer::Linear),
-        F::R16G16_Float => (TexelFormat::Half(2), Transfer::Linear),
-        F::R16G16B16A16_Float => (TexelFormat::Half(4), Transfer::Linear),
-        F::R32_Float => (TexelFormat::Float(1), Transfer::Linear),
-        F::R32G32_Float => (TexelFormat::Float(2), Transfer::Linear),
-        F::R32G32B32_Float => (TexelFormat::Float(3), Transfer::Linear),
-        F::R32G32B32A32_Float => (TexelFormat::Float(4), Transfer::Linear),
-        F::R9G9B9E5_SharedExp => (TexelFormat::SharedExponent, Transfer::Linear),
-        F::R11G11B10_Float => (TexelFormat::Packed11, Transfer::Linear),
-        F::BC1_UNorm => (TexelFormat::Bc1, Transfer::Linear),
-        F::BC1_UNorm_sRGB => (TexelFormat::Bc1, Transfer::Srgb),
-        F::BC2_UNorm => (TexelFormat::Bc2, Transfer::Linear),
-        F::BC2_UNorm_sRGB => (TexelFormat::Bc2, Transfer::Srgb),
-        F::BC3_UNorm => (TexelFormat::Bc3, Transfer::Linear),
-        F::BC3_UNorm_sRGB => (TexelFormat::Bc3, Transfer::Srgb),
-        F::BC4_UNorm => (TexelFormat::Bc4, Transfer::Linear),
-        F::BC5_UNorm => (TexelFormat::Bc5, Transfer::Linear),
-        F::BC6H_UF16 => (TexelFormat::Bc6h(false), Transfer::Linear),
-        F::BC6H_SF16 => (TexelFormat::Bc6h(true), Transfer::Linear),
-        F::BC7_UNorm => (TexelFormat::Bc7, Transfer::Linear),
-        F::BC7_UNorm_sRGB => (TexelFormat::Bc7, Transfer::Srgb),
+    let texels = match format {
+        F::R8_UNorm | F::R8_Typeless => TexelFormat::Codes(1, [0; 3]),
+        F::R8G8_UNorm | F::R8G8_Typeless => TexelFormat::Codes(2, [0, 1, 1]),
+        F::R8G8B8A8_UNorm | F::R8G8B8A8_UNorm_sRGB | F::R8G8B8A8_Typeless => TexelFormat::Codes(4, [0, 1, 2]),
+        F::B8G8R8A8_UNorm | F::B8G8R8A8_UNorm_sRGB | F::B8G8R8A8_Typeless => TexelFormat::Codes(4, [2, 1, 0]),
+        F::B8G8R8X8_UNorm | F::B8G8R8X8_UNorm_sRGB | F::B8G8R8X8_Typeless => TexelFormat::Codes(4, [2, 1, 0]),
+        F::R16_Float => TexelFormat::Half(1),
+        F::R16G16_Float => TexelFormat::Half(2),
+        F::R16G16B16A16_Float => TexelFormat::Half(4),
+        F::R32_Float => TexelFormat::Float(1),
+        F::R32G32_Float => TexelFormat::Float(2),
+        F::R32G32B32_Float => TexelFormat::Float(3),
+        F::R32G32B32A32_Float => TexelFormat::Float(4),
+        F::R9G9B9E5_SharedExp => TexelFormat::SharedExponent,
+        F::R11G11B10_Float => TexelFormat::Packed11,
+        F::BC1_UNorm | F::BC1_UNorm_sRGB | F::BC1_Typeless => TexelFormat::Bc1,
+        F::BC2_UNorm | F::BC2_UNorm_sRGB | F::BC2_Typeless => TexelFormat::Bc2,
+        F::BC3_UNorm | F::BC3_UNorm_sRGB | F::BC3_Typeless => TexelFormat::Bc3,
+        F::BC4_UNorm | F::BC4_Typeless => TexelFormat::Bc4,
+        F::BC5_UNorm | F::BC5_Typeless => TexelFormat::Bc5,
+        F::BC6H_UF16 => TexelFormat::Bc6h(false),
+        F::BC6H_SF16 => TexelFormat::Bc6h(true),
+        F::BC7_UNorm | F::BC7_UNorm_sRGB | F::BC7_Typeless => TexelFormat::Bc7,
         _ => return None,
-    })
+    };
+    let name = format!("{format:?}");
+    let transfer = match () {
+        () if name.ends_with("sRGB") => Some(Transfer::Srgb),
+        () if name.ends_with("Typeless") => None,
+        () => Some(Transfer::Linear),
+    };
+    Some((texels, transfer))
 }
 
 fn d3d_format(format: ddsfile::D3DFormat) -> Option<TexelFormat> {

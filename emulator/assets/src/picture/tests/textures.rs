@@ -84,6 +84,10 @@ fn formats() -> Vec<Format> {
         ("BC2", Some(135), Some(74), Some(*b"DXT3"), [[0x5a; 8], BC1].concat(), bc1),
         ("BC3", Some(137), Some(77), Some(*b"DXT5"), [BC4, BC1].concat(), bc1),
         ("BC4", Some(139), Some(80), Some(*b"ATI1"), BC4.to_vec(), grey(code(201))),
+        // Formats without a type, as Pillow writes them.
+        ("BC4 without a type", None, Some(79), None, BC4.to_vec(), grey(code(201))),
+        ("BC1 without a type", None, Some(70), None, BC1.to_vec(), bc1),
+        ("R8G8B8A8 without a type", None, Some(27), None, times(&[1, 2, 3, 4], 16), [code(1), code(2), code(3)]),
         (
             "BC5",
             Some(141),
@@ -194,6 +198,7 @@ fn words_of_a_texture_decide_its_colours_and_rows() {
         ("DDS, linear", dds(28), red),
         ("DDS, an array of 0, as Pillow writes it", of_no_array, red),
         ("DDS, sRGB", dds(29), srgb(200.0)),
+        ("DDS that says nothing", dds(27), srgb(200.0)),
     ] {
         let read = read_as("a", &bytes, Purpose::Colours).unwrap();
         let found = read.picture.pixels[0][0];
