@@ -38,6 +38,7 @@ use roughxel_host_tests::reference;
 use roughxel_host_tests::simulators::{have, run, verilate};
 use roughxel_host_tests::table::table;
 use roughxel_netlist::bench::Bench;
+use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{Options, Verilog};
 use roughxel_record as record;
 use roughxel_scene::Scene;
@@ -186,7 +187,9 @@ impl Model {
             effects: Effects::ALL,
             depth: None,
             stage: None,
+            target: Target::Asic,
             multipliers: None,
+            stream: None,
             prefix: String::new(),
         };
         let verilog = record::verilog(Self::DESIGN, &options).expect("the datapath is generated");

@@ -5,12 +5,14 @@ use std::io::{self, Write};
 use clap::Args;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
+use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{FoldSummary, Folded, Options, VerilogError};
 use roughxel_record as record;
 use serde_json::json;
 
 use super::console::new_table;
 use super::ranges::{design_help, parse_design, unproven};
+use super::verilog::parse_target;
 use super::{Failure, ProfileArg, effects, parse_profile};
 
 pub(super) const LONG_HELP: &str = "\
@@ -43,9 +45,12 @@ pub(super) struct ScheduleArgs {
     frame: FrameSystem,
     #[arg(long, default_value = "reflection", value_parser = parse_design, value_name = "NAME", help = design_help())]
     design: Design,
-    /// Most logic levels in a cycle: a level is a gate of two inputs, and a 32-bit adder has 7.
-    #[arg(long, default_value_t = roughxel_netlist::verilog::FOLDED_DEPTH, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(8..=1000))]
-    depth: u32,
+    /// Device: what a level of `--depth` is there, and the depth without that option. `asic` counts gates.
+    #[arg(long, default_value = "asic", value_parser = parse_target, value_name = "asic|ice40|ecp5|gowin|xc7")]
+    target: Target,
+    /// Most logic levels in a cycle.
+    #[arg(long, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    depth: Option<u32>,
     /// List every use of a unit: unit, phase, cycle, run of a repeated stage, operation.
     #[arg(long)]
     slots: bool,
@@ -73,7 +78,8 @@ pub(super) fn run(args: &ScheduleArgs) -> Result<(), Failure> {
     let fold = |&multipliers: &u32| {
         let options = Options {
             multipliers: Some(multipliers),
-            depth: Some(args.depth),
+            depth: args.depth,
+            target: args.target,
             ..Options::new(&profile.name, profile.precision, effects)
         };
         match Folded::of(net.clone(), &options) {

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FrameSystem};
-use roughxel_netlist::verilog::{Options, Verilog, VerilogError};
+use roughxel_netlist::target::Target;
+use roughxel_netlist::verilog::{Options, STREAM_BITS, Verilog, VerilogError};
 use roughxel_record as record;
 use roughxel_study::plan::fetches;
 use roughxel_study::profile_file::NamedPrecision;
@@ -44,16 +45,29 @@ pub(super) struct VerilogArgs {
     /// registers are between stages only.
     #[arg(long, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(1..=1000))]
     depth: Option<u32>,
+    /// Device: what a level of `--depth` is there, and the depth without that option. `asic` counts gates, and a flat design has registers
+    /// between stages only.
+    #[arg(long, default_value = "asic", value_parser = parse_target, value_name = "asic|ice40|ecp5|gowin|xc7")]
+    target: Target,
     /// Fold the design on this many multipliers: it takes a fragment every few cycles, and expensive operations share units. Without this
     /// option it has one for each product and takes a fragment each cycle.
     #[arg(long, value_name = "COUNT", conflicts_with = "stage", value_parser = clap::value_parser!(u32).range(1..=1024))]
     multipliers: Option<u32>,
+    /// Write an AXI4-Stream shell around the outermost module too, with words of this many bits: MODULE_axis.v.
+    #[arg(long, value_name = "BITS", conflicts_with = "stage", value_parser = clap::value_parser!(u32).range(i64::from(*STREAM_BITS.start())..=i64::from(*STREAM_BITS.end())))]
+    stream: Option<u32>,
     /// Prefix of module names, so that a project can hold two designs.
     #[arg(long, default_value = "", value_parser = parse_prefix, value_name = "TEXT")]
     prefix: String,
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// Parses the name of a device.
+pub(super) fn parse_target(name: &str) -> Result<Target, String> {
+    let known = Target::ALL.map(Target::name).join(", ");
+    Target::by_name(name).ok_or_else(|| format!("targets are {known}"))
 }
 
 /// Parses a prefix of Verilog names.

@@ -19,7 +19,7 @@ use super::range::{Range, Ranges};
 use super::unit::{Unit, signed_digits};
 
 /// ⌈log₂ n⌉ of n ≥ 1; 0 of 0.
-fn log2_above(n: u32) -> u32 {
+pub(super) fn log2_above(n: u32) -> u32 {
     n.next_power_of_two().ilog2()
 }
 
@@ -40,7 +40,12 @@ fn adder_levels(bits: u32) -> u32 {
 
 /// Gate levels of one operation, from its operands to its wire.
 pub fn levels(net: &Net, ranges: &Ranges, id: NodeId) -> u32 {
-    match net.node(id).op.unit(ranges, id) {
+    unit_levels(net.node(id).op.unit(ranges, id))
+}
+
+/// Gate levels of a unit.
+pub(super) fn unit_levels(unit: Unit) -> u32 {
+    match unit {
         Unit::Nothing | Unit::Wires => 0,
         Unit::Adder { bits, .. } => adder_levels(bits),
         Unit::Comparator { bits } => adder_levels(bits) - 1,

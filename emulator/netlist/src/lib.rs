@@ -29,6 +29,7 @@ mod op;
 mod range;
 pub mod rounding;
 pub mod operator_fault;
+pub mod target;
 pub mod unit;
 pub mod verilog;
 mod waiting;

@@ -17,6 +17,7 @@ pub(crate) mod rom;
 mod share;
 mod stage;
 mod stepper;
+mod stream;
 mod text;
 pub(crate) mod value;
 mod wire;
@@ -32,11 +33,12 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 pub use error::VerilogError;
-pub use fold::{FOLDED_DEPTH, Fault, FoldSummary, Folded, Machine, Slot, UnitSummary};
+pub use fold::{Fault, FoldSummary, Folded, Machine, Slot, UnitSummary};
 pub use format::Format;
 pub use interface::{Interface, PortDescription};
 pub use rom::Rom;
 pub use stage::{Stage, StagePort, StageRun, Stages};
+pub use stream::STREAM_BITS;
 pub use text::filled;
 
 use self::body::Body;
@@ -46,6 +48,7 @@ use self::share::Group;
 use self::wire::Parts;
 use super::graph::{Net, NodeId, Op};
 use super::interval::Ranges;
+use super::target::Target;
 
 /// Options of a written design.
 #[derive(Clone, Debug)]
@@ -58,8 +61,12 @@ pub struct Options {
     pub effects: Effects,
     /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers between stages only.
     pub depth: Option<u32>,
+    /// Device for which levels are counted.
+    pub target: Target,
     /// Multipliers on which the design is folded; `None` has one for each product and takes a fragment each cycle.
     pub multipliers: Option<u32>,
+    /// Bits of the words of an AXI4-Stream shell around the outermost module; `None` writes no shell.
+    pub stream: Option<u32>,
     /// Stage whose modules are written, in all its uses (`columns`) or in one (`columns_pixel`), with their submodules; `None` writes the whole
     /// design.
     pub stage: Option<String>,
@@ -71,7 +78,17 @@ impl Options {
     /// Every stage, with registers between stages only, in files without a prefix.
     pub fn new(profile: &str, precision: Precision, effects: Effects) -> Self {
         let (profile, prefix) = (profile.to_owned(), String::new());
-        Self { profile, precision, effects, depth: None, multipliers: None, stage: None, prefix }
+        Self {
+            profile,
+            precision,
+            effects,
+            depth: None,
+            target: Target::Asic,
+            multipliers: None,
+            stream: None,
+            stage: None,
+            prefix,
+        }
     }
 }
 
@@ -98,7 +115,7 @@ pub fn top_name(design: Design) -> String {
 /// Bits of the own wire of every node that somebody reads, all stages taken as one module. They are 0 if other wires or a constant stand for the
 /// node, or if nothing is left of it.
 pub(crate) fn wire_bits(net: &Net, ranges: &Ranges) -> Vec<u64> {
-    let context = Context { net, ranges, depth: None, prefix: "", origin: "" };
+    let context = Context { net, ranges, depth: None, target: Target::Asic, prefix: "", origin: "" };
     let (ports, nodes): (Vec<_>, Vec<_>) =
         (0..net.nodes.len() as NodeId).partition(|&id| matches!(net.node(id).op, Op::Port(_)));
     let outputs: Vec<_> = net.outputs.iter().map(|output| output.node).collect();
@@ -119,7 +136,7 @@ impl Verilog {
         let (effects, frame) = (names(&own), frame(&own));
         let origin =
             format!("Design {}, profile {}, effects {effects}, frame {frame}.", design.name(), options.profile);
-        let context = prepared.context(options.depth, &options.prefix, &origin);
+        let context = prepared.context(options, &origin);
         pipeline::check_blocks(context)?;
 
         let name = options.stage.as_deref().map_or_else(|| top_name(design), |stage| stage.replace('.', "_"));
@@ -128,6 +145,11 @@ impl Verilog {
             None => Written::flat(&prepared, context, options.stage.as_deref(), design)?,
         };
         let Written { mut verilog, instances, modules, roms } = written;
+        let shell = options.stream.zip(verilog.stepper.as_ref().or(verilog.top.as_ref()));
+        let shell = shell.map(|(bits, outermost)| stream::shell(outermost, bits, &origin));
+        if let Some((name, text)) = &shell {
+            verilog.files.insert(format!("{name}.v"), text.clone());
+        }
         let manifest = Manifest {
             schema: "roughxel-verilog",
             format_version: 1,
@@ -137,9 +159,11 @@ impl Verilog {
             knobs: knobs(&options.precision),
             effects,
             frame,
-            depth: options.depth,
+            depth: context.depth,
+            target: (options.target != Target::Asic).then(|| options.target.name()),
             top: verilog.top.as_ref(),
             stepper: verilog.stepper.as_ref(),
+            shell: shell.as_ref().map(|(name, _)| name.as_str()),
             register_bits: verilog.register_bits,
             fold: verilog.fold.as_ref(),
             instances,
@@ -166,7 +190,7 @@ impl Folded {
     /// Errors: everything [`VerilogError`] lists.
     pub fn of(net: Net, options: &Options) -> Result<Self, VerilogError> {
         let prepared = Prepared::new(net)?;
-        let context = prepared.context(options.depth, &options.prefix, "");
+        let context = prepared.context(options, "");
         fold::fold(context, &prepared.own_ranges, &prepared.groups, options.multipliers.unwrap_or(1))
     }
 }
@@ -253,8 +277,11 @@ impl Prepared {
         Ok(Self { net, own_ranges, ranges, groups, outside })
     }
 
-    fn context<'a>(&'a self, depth: Option<u32>, prefix: &'a str, origin: &'a str) -> Context<'a> {
-        Context { net: &self.net, ranges: &self.ranges, depth, prefix, origin }
+    fn context<'a>(&'a self, options: &'a Options, origin: &'a str) -> Context<'a> {
+        let Options { target, ref prefix, .. } = *options;
+        let default = if options.multipliers.is_some() { Some(target.folded_depth()) } else { target.flat_depth() };
+        let depth = options.depth.or(default);
+        Context { net: &self.net, ranges: &self.ranges, depth, target, prefix, origin }
     }
 
     fn module(&self, context: Context, group: &Group) -> Result<Module, VerilogError> {
@@ -293,8 +320,12 @@ struct Manifest<'a> {
     effects: String,
     frame: &'static str,
     depth: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    target: Option<&'static str>,
     top: Option<&'a Interface>,
     stepper: Option<&'a Interface>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shell: Option<&'a str>,
     register_bits: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     fold: Option<&'a FoldSummary>,

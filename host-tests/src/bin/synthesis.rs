@@ -24,6 +24,7 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::Effects;
 use roughxel_core::precision::Profile;
+use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::Options;
 use roughxel_record as record;
 use roughxel_utilities::output::write_files;
@@ -210,7 +211,9 @@ fn modules(
         effects: *effects,
         depth: top.flatten(),
         stage: None,
+        target: Target::Asic,
         multipliers: None,
+        stream: None,
         prefix: String::new(),
     };
     let verilog = record::verilog(known, &options).map_err(|e| format!("{design}, {profile}: {e}"))?;

@@ -1,13 +1,15 @@
 //! Folded designs are the datapath on fewer units: the same bits, from the schedule in integers and from its Verilog.
 
 use std::fs;
+use std::process::Command;
 
 use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FootprintKind};
 use roughxel_core::precision::RoughnessKind;
-use roughxel_host_tests::simulators::have;
+use roughxel_host_tests::simulators::{have, run};
 use roughxel_host_tests::space::{is_full_run, profiles, whole_or};
+use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{Fault, Folded, Options};
 use roughxel_record as record;
 
@@ -44,6 +46,7 @@ fn wrong(folded: &Folded, fault: Option<Fault>, inputs: &[Vec<i64>], outputs: &[
 #[test]
 fn the_schedule_gives_the_scalar_bits_in_every_profile_and_plan() {
     let mut cases = Vec::new();
+    let most = whole_or(100_000, 3000);
     for (profile, _) in profiles() {
         for (plan, effects) in PLANS {
             cases.extend([1, 2, 4, 8, 16, 32].map(|multipliers| (profile, plan, effects, multipliers)));
@@ -53,7 +56,7 @@ fn the_schedule_gives_the_scalar_bits_in_every_profile_and_plan() {
         let options = folded_options(profile, effects, multipliers);
         let net = record::net(Design::Reflection, &options.effects, &options.precision);
         // A schedule does not depend on values, so many fragments are for the largest plan alone.
-        let count = if plan == "full" && multipliers == 8 { whole_or(100_000, 3000) } else { 100 };
+        let count = if plan == "full" && multipliers == 8 { most } else { 100 };
         let inputs = inputs(Design::Reflection, &net, count, &options.effects, &options.precision);
         let inputs: Vec<_> = if count == 100 { inputs.into_iter().step_by(20).collect() } else { inputs };
         let outputs: Vec<_> = inputs
@@ -116,6 +119,47 @@ fn a_wrong_slot_a_wrong_operand_and_a_missing_wait_are_found() {
             .collect();
         let missed: Vec<String> = missed.into_iter().map(|step| folded.machine().step_origin(step)).collect();
         assert!(missed.is_empty(), "{:?} of {} steps: not found {missed:#?}", kind(0), steps.len());
+    }
+}
+
+#[test]
+fn a_folded_design_is_the_same_text_every_time() {
+    for target in [Target::Asic, Target::Ecp5] {
+        let options = Options { target, ..folded_options("narrow", FULL, 4) };
+        let write = || record::verilog(Design::Reflection, &options).expect("the design is proven").files;
+        assert_eq!(write(), write());
+    }
+}
+
+#[test]
+fn a_design_that_is_folded_for_a_device_gives_the_scalar_bits() {
+    let inputs_of = |options: &Options| {
+        let net = record::net(Design::Reflection, &options.effects, &options.precision);
+        let all = inputs(Design::Reflection, &net, 60, &options.effects, &options.precision);
+        all.into_iter().step_by(20).collect::<Vec<_>>()
+    };
+    let gates = fold(Design::Reflection, &folded_options("narrow", FULL, 8)).summary();
+    for target in Target::ALL.into_iter().filter(|&target| target != Target::Asic) {
+        let options = Options { target, ..folded_options("narrow", FULL, 8) };
+        let inputs = inputs_of(&options);
+        let outputs: Vec<_> = inputs
+            .iter()
+            .map(|ports| expected(Design::Reflection, ports, &options.effects, &options.precision))
+            .collect();
+        let folded = fold(Design::Reflection, &options);
+        assert_eq!(wrong(&folded, None, &inputs, &outputs), 0, "{}", target.name());
+        assert_eq!(folded.summary().interval, gates.interval, "{}", target.name());
+    }
+}
+
+#[test]
+fn a_depth_below_the_deepest_operation_names_the_least_one() {
+    for multipliers in [None, Some(8)] {
+        let at = |depth| Options { depth: Some(depth), multipliers, ..options("narrow", FULL, None) };
+        let error = record::verilog(Design::Reflection, &at(4)).expect_err("an adder has more levels").to_string();
+        let least: u32 = error.rsplit(' ').next().and_then(|word| word.parse().ok()).expect("a number");
+        assert!(record::verilog(Design::Reflection, &at(least - 1)).is_err(), "{error}");
+        assert!(record::verilog(Design::Reflection, &at(least)).is_ok(), "{error}");
     }
 }
 
@@ -189,5 +233,79 @@ fn faults_in_the_text_of_a_folded_design_are_found() {
             let report = case.written.simulate(&case.bench());
             assert!(report.contains("FAIL"), "{word} {nth}: {report}");
         }
+    }
+}
+
+/// Module with the ports of a testbench that sends each input through the AXI4-Stream shell as words, and gathers the words of each output.
+fn adapter(flat: &str, shell: &str, [in_bits, out_bits]: [u32; 2], width: u32) -> String {
+    let (ins, outs) = (in_bits.div_ceil(width), out_bits.div_ceil(width));
+    format!(
+        "module {flat} (input wire clk, input wire rst, input wire in_valid, output wire in_ready, input wire [{}:0] in_bits,
+  output wire out_valid, input wire out_ready, output wire [{}:0] out_bits);
+  reg [{}:0] sending; integer left = 0;
+  reg [{}:0] got; integer have = 0;
+  wire s_ready, m_valid, m_last;
+  wire [{}:0] m_data;
+  assign in_ready = left == 0;
+  wire m_ready = have < {outs};
+  assign out_valid = have == {outs};
+  assign out_bits = got[{}:0];
+  always @(posedge clk) begin
+    if (rst) left <= 0;
+    else if (in_valid && in_ready) begin sending <= in_bits; left <= {ins}; end
+    else if (left != 0 && s_ready) begin sending <= sending >> {width}; left <= left - 1; end
+    if (rst) have <= 0;
+    else if (out_valid && out_ready) have <= 0;
+    else if (m_valid && m_ready) begin
+      got <= (got >> {width}) | ({{{{{}{{1'b0}}}}, m_data}} << {});
+      have <= have + 1;
+      if (m_last != (have == {}) ) $display(\"FAIL: tlast\");
+    end
+  end
+  {shell} dut (.aclk(clk), .aresetn(~rst), .s_axis_tvalid(left != 0), .s_axis_tready(s_ready), .s_axis_tdata(sending[{}:0]),
+    .s_axis_tlast(left == 1), .m_axis_tvalid(m_valid), .m_axis_tready(m_ready), .m_axis_tdata(m_data), .m_axis_tlast(m_last));
+endmodule
+",
+        in_bits - 1,
+        out_bits - 1,
+        ins * width - 1,
+        outs * width - 1,
+        width - 1,
+        out_bits - 1,
+        (outs - 1) * width,
+        (outs - 1) * width,
+        outs - 1,
+        width - 1
+    )
+}
+
+#[test]
+fn a_stream_of_words_gives_the_scalar_bits() {
+    if !have("iverilog") {
+        return;
+    }
+    for (multipliers, width) in [(Some(2), 32), (Some(1), 8), (None, 64)] {
+        let options = Options { multipliers, stream: Some(width), ..options("narrow", PLANS[2].1, None) };
+        let mut case = Case::new(Design::Reflection, 40, &options);
+        case.inputs.truncate(60);
+        case.outputs.truncate(60);
+        let (top, shell) = ("roughxel_reflection", "roughxel_reflection_axis");
+        if have("verilator") {
+            let mut command = Command::new("verilator");
+            command.args(["--lint-only", "-Wall", "--top-module", shell, "-y"]).arg(case.written.path());
+            run(command.arg(case.written.path().join(format!("{shell}.v"))));
+        }
+        let interface = case.written.verilog.top.as_ref().expect("a top");
+        let bits = [&interface.inputs, &interface.outputs].map(|ports| ports.iter().map(|port| port.width).sum());
+        // The testbench finds the adapter in the place of its own wrapper.
+        let bench = case.bench();
+        let mut files = bench.files();
+        for (name, content) in &mut files {
+            if *name == format!("{top}_flat.v") {
+                *content = adapter(&format!("{top}_flat"), shell, bits, width).into_bytes();
+            }
+        }
+        let report = case.written.simulate_files(files);
+        assert!(report.contains("PASS") && !report.contains("FAIL"), "{multipliers:?} {width}: {report}");
     }
 }

@@ -23,6 +23,7 @@ use roughxel_host_tests::space::{in_turn, is_full_run, profiles, whole_or};
 use roughxel_netlist::bench::Bench;
 use roughxel_netlist::graph::{Net, Op};
 use roughxel_netlist::interval::Ranges;
+use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
 use roughxel_record as record;
 use roughxel_utilities::output::write_files;
@@ -69,7 +70,9 @@ pub(super) fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Op
         precision: Profile::by_name(profile).map(Profile::precision).expect("a profile"),
         effects,
         depth,
+        target: Target::Asic,
         multipliers: None,
+        stream: None,
         stage: None,
         prefix: String::new(),
     }
@@ -140,7 +143,12 @@ impl Written {
 
     /// Output of the testbench in Icarus.
     pub(super) fn simulate(&self, bench: &Bench) -> String {
-        write_files(self.path(), bench.files()).expect("the directory can be written");
+        self.simulate_files(bench.files())
+    }
+
+    /// Output of a testbench with these files in Icarus.
+    pub(super) fn simulate_files(&self, files: Vec<(String, Vec<u8>)>) -> String {
+        write_files(self.path(), files).expect("the directory can be written");
         let compiled = self.path().join("bench.vvp");
         let mut command = Command::new("iverilog");
         command.args(["-g2005", "-s", "bench", "-I"]).arg(self.path()).arg("-y").arg(self.path());

@@ -7,6 +7,7 @@ use super::format::Format;
 use super::text::identifier;
 use crate::graph::{Kind, Net, NodeId, Op};
 use crate::interval::Ranges;
+use crate::target::Target;
 
 /// Data that all modules of a design share.
 #[derive(Clone, Copy)]
@@ -16,6 +17,8 @@ pub(crate) struct Context<'a> {
     pub(super) ranges: &'a Ranges,
     /// Most levels between registers.
     pub(super) depth: Option<u32>,
+    /// Device that says what a level is.
+    pub(super) target: Target,
     /// Prefix of module names.
     pub(super) prefix: &'a str,
     /// Lines at the end of every header: profile, stages that are on.
@@ -23,6 +26,18 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// Levels of an operation.
+    pub(super) fn levels(&self, id: NodeId) -> u32 {
+        let unit = self.net.node(id).op.unit(self.ranges, id);
+        self.target.levels(unit, self.depth.unwrap_or(0))
+    }
+
+    /// Least depth at which no operation is too deep.
+    pub(super) fn least_depth(&self) -> u32 {
+        let all = 0..self.net.nodes.len() as NodeId;
+        all.map(|id| self.levels(id)).max().unwrap_or(0)
+    }
+
     /// Path of a port or of a tap of a node's own stage, and its binary point.
     pub(super) fn path_of(&self, id: NodeId) -> Option<(&str, u32)> {
         let node = self.net.node(id);

@@ -6,7 +6,6 @@ use super::body::{Body, hull};
 use super::context::Context;
 use super::error::VerilogError;
 use super::value::{Value, literal};
-use crate::delay::levels;
 use crate::graph::{NodeId, Op};
 
 /// Driver of a wire.
@@ -89,13 +88,12 @@ impl<'a> Body<'a> {
 
     /// Levels of a wire's operation.
     pub(super) fn levels(&self, id: NodeId) -> u32 {
-        let net = self.context.net;
         let of = match (self.driver(id), self.op(id)) {
             // Only the comparison counts, for it does not need the sign.
             (Driver::IsZero(_), Op::And(_, comparison)) => comparison,
             _ => id,
         };
-        levels(net, self.context.ranges, of)
+        self.context.levels(of)
     }
 
     /// Body with the wires of these nodes, with these inputs and outputs.
@@ -160,7 +158,8 @@ impl<'a> Body<'a> {
             if let Some(depth) = self.context.depth {
                 if levels > depth {
                     let origin = self.context.net.origin(id);
-                    return Err(VerilogError::TooDeep { operation: self.op(id).name(), levels, depth, origin });
+                    let least = self.context.least_depth();
+                    return Err(VerilogError::TooDeep { operation: self.op(id).name(), levels, depth, least, origin });
                 }
                 if time > depth {
                     (rank, time) = (rank + 1, levels);

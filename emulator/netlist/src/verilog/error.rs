@@ -13,7 +13,9 @@ pub enum VerilogError {
     #[error("the interval proof fails at {} operations, first: {}", .0.len(), .0.first().map_or_else(String::new, ToString::to_string))]
     Unproven(Vec<Violation>),
     /// One operation is deeper than the target.
-    #[error("{origin}: {operation} has {levels} levels, which a depth of {depth} cannot cut")]
+    #[error(
+        "{origin}: {operation} has {levels} levels, which a depth of {depth} cannot cut; the least depth of this design is {least}"
+    )]
     TooDeep {
         /// Name of the operation.
         operation: &'static str,
@@ -21,6 +23,8 @@ pub enum VerilogError {
         levels: u32,
         /// Target depth.
         depth: u32,
+        /// Least depth at which no operation is too deep.
+        least: u32,
         /// Source line and stage.
         origin: String,
     },

@@ -6,6 +6,7 @@
 
 mod folded;
 mod machine;
+mod registers;
 mod schedule;
 mod shape;
 mod slots;
@@ -15,7 +16,7 @@ mod units;
 
 use std::collections::BTreeMap;
 
-pub use self::folded::{FOLDED_DEPTH, FoldSummary, Folded, UnitSummary};
+pub use self::folded::{FoldSummary, Folded, UnitSummary};
 pub use self::machine::{Fault, Machine};
 pub use self::slots::Slot;
 use self::units::Hardware;
@@ -71,6 +72,9 @@ pub(super) fn write(
                 modules.push((**module).clone());
             }
         }
+    }
+    if top.uses_ring {
+        files.insert(format!("{}.v", registers::RING), include_str!("templates/ring.v").to_owned());
     }
     files.insert(format!("{name}.v"), top.text);
     files.insert(format!("{name}.slots.txt"), folded.slot_table());

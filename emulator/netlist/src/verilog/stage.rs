@@ -13,6 +13,7 @@ use super::share::Group;
 use super::{Options, Prepared};
 use crate::graph::{Net, Node, NodeId, Op, Port, Run, Tap};
 use crate::interval::Range;
+use crate::target::Target;
 
 /// A recorded design and the modules of its stages.
 #[derive(Clone, Debug)]
@@ -70,7 +71,9 @@ impl Stages {
         let prepared = Prepared::new(net)?;
         let wanted = prepared.chosen(options.stage.as_deref())?;
         // The module's text is not kept, so it has no line about its origin.
-        let context = prepared.context(None, "", "");
+        let options =
+            Options { depth: None, multipliers: None, target: Target::Asic, prefix: String::new(), ..options.clone() };
+        let context = prepared.context(&options, "");
         let stage = |index: usize| -> Result<Stage, VerilogError> {
             let group = &prepared.groups[index];
             Ok(Stage::new(context, group, &prepared.module(context, group)?))

@@ -15,9 +15,7 @@ use super::tasks::{Task, Tasks};
 use super::units::{self, Hardware, UnitKind};
 use crate::graph::{NodeId, Op};
 use crate::interval::Ranges;
-
-/// Most levels of logic in a cycle of a folded design, unless the user gives another number.
-pub const FOLDED_DEPTH: u32 = 24;
+use crate::unit::Unit;
 
 /// A folded netlist with its schedule.
 #[derive(Clone, Debug)]
@@ -64,6 +62,23 @@ pub struct FoldSummary {
     pub values: u32,
 }
 
+/// Checks that no operation besides products, which take cycles of their own, has more levels than fit in a cycle.
+fn check_depth(shape: &Shape, flat: Context, depth: u32) -> Result<(), VerilogError> {
+    let context = Context { net: &shape.net, ranges: &shape.ranges, ..flat };
+    let unit = |id: NodeId| shape.net.node(id).op.unit(&shape.ranges, id);
+    let ids = (0..shape.net.nodes.len() as NodeId).filter(|&id| !matches!(unit(id), Unit::Multiplier(_)));
+    match ids.map(|id| (context.levels(id), id)).max() {
+        Some((levels, id)) if levels > depth => Err(VerilogError::TooDeep {
+            operation: shape.net.node(id).op.name(),
+            levels,
+            depth,
+            least: levels,
+            origin: shape.net.origin(id),
+        }),
+        _ => Ok(()),
+    }
+}
+
 impl Folded {
     /// Folds a proven design on a number of multipliers. `own` are the ranges of every wire by itself; the body has the values of its wires.
     pub(super) fn new<R>(
@@ -73,9 +88,10 @@ impl Folded {
         multipliers: u32,
         with: impl FnOnce(&Self, Body) -> Result<R, VerilogError>,
     ) -> Result<(Self, R), VerilogError> {
-        let depth = flat.depth.unwrap_or(FOLDED_DEPTH);
+        let depth = flat.depth.unwrap_or(flat.target.folded_depth());
         let shape = Shape::new(flat.net, own, groups);
-        let kinds = units::kinds(&shape, depth, flat.prefix, flat.origin)?;
+        check_depth(&shape, flat, depth)?;
+        let kinds = units::kinds(&shape, flat)?;
         let (net, ranges) = (shape.net.clone(), shape.ranges.clone());
         let context = Context { net: &net, ranges: &ranges, depth: None, ..flat };
         let of_units: BTreeSet<NodeId> =
@@ -83,8 +99,8 @@ impl Folded {
         let (inputs, nodes): (Vec<NodeId>, Vec<NodeId>) = (0..net.nodes.len() as NodeId)
             .partition(|id| of_units.contains(id) || matches!(net.node(*id).op, Op::Port(_)));
         let mut body = Body::placed(context, &nodes, &inputs)?;
-        let tasks = Tasks::new(&shape, &kinds, &mut body);
-        let schedule = Schedule::new(&shape, &kinds, &tasks, multipliers, depth);
+        let tasks = Tasks::new(&shape, &kinds, &mut body, flat.target);
+        let schedule = Schedule::new(&shape, &kinds, &tasks, [multipliers, depth], flat.target);
         tasks.demand(&shape, &kinds, &mut body, |task, base, run| {
             let cycle = task.map_or(schedule.last, |task| schedule.cycles[&task]);
             let later = match task {

@@ -11,6 +11,7 @@ use super::shape::Shape;
 use super::tasks::{Task, Tasks};
 use super::units::{Hardware, UnitKind};
 use crate::graph::NodeId;
+use crate::target::Target;
 
 /// Time at which a wire has its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +55,7 @@ struct Scheduler<'a> {
     kinds: &'a [UnitKind],
     tasks: &'a Tasks,
     depth: u32,
+    target: Target,
     schedule: Schedule,
     /// Units of each kind that are taken, by phase.
     taken: Vec<Vec<Vec<bool>>>,
@@ -101,7 +103,7 @@ impl Scheduler<'_> {
             Task::Use(kind, number) => {
                 let of_kind = &self.kinds[kind];
                 let uses: u32 = of_kind.uses.iter().map(|own| self.shape.copies[own.nodes[0] as usize]).sum();
-                let choice = uses.div_ceil(self.schedule.units[kind]).next_power_of_two().ilog2();
+                let choice = self.target.choice(uses.div_ceil(self.schedule.units[kind]));
                 if before + choice > self.depth && before > 0 {
                     cycle += 1;
                 }
@@ -182,6 +184,7 @@ impl Schedule {
         kinds: &[UnitKind],
         tasks: &Tasks,
         [interval, multipliers, depth]: [u32; 3],
+        target: Target,
     ) -> Option<Self> {
         let units: Vec<u32> = kinds
             .iter()
@@ -194,7 +197,7 @@ impl Schedule {
         let taken = units.iter().map(|&units| vec![vec![false; units as usize]; interval as usize]).collect();
         let schedule =
             Self { interval, units, cycles: HashMap::new(), bound: HashMap::new(), made: HashMap::new(), last: 0 };
-        let mut scheduler = Scheduler { shape, kinds, tasks, depth, schedule, taken, sources: HashMap::new() };
+        let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, taken, sources: HashMap::new() };
         for port in shape.net.ports.iter().filter(|port| !shape.joins.contains_key(&port.node)) {
             scheduler.schedule.made.insert(port.node, Made { cycle: 0, levels: 0, kept: true });
         }
@@ -202,13 +205,19 @@ impl Schedule {
     }
 
     /// Schedule with a number of multipliers and a most number of levels in a cycle.
-    pub(super) fn new(shape: &Shape, kinds: &[UnitKind], tasks: &Tasks, multipliers: u32, depth: u32) -> Self {
+    pub(super) fn new(
+        shape: &Shape,
+        kinds: &[UnitKind],
+        tasks: &Tasks,
+        [multipliers, depth]: [u32; 2],
+        target: Target,
+    ) -> Self {
         let copies = shape.copies.iter().copied().max().unwrap_or(1);
         let products = kinds.iter().filter(|kind| matches!(kind.hardware, Hardware::Multiplier(_)));
         let products: u32 = products.flat_map(|kind| &kind.uses).map(|own| shape.copies[own.nodes[0] as usize]).sum();
         let mut interval = products.div_ceil(multipliers).max(copies).max(1);
         loop {
-            if let Some(schedule) = Self::try_interval(shape, kinds, tasks, [interval, multipliers, depth]) {
+            if let Some(schedule) = Self::try_interval(shape, kinds, tasks, [interval, multipliers, depth], target) {
                 return schedule;
             }
             interval += 1;

@@ -3,7 +3,7 @@
 //! Such runs are a *block*. Its first run stands for all of them. An input of the block is a [`Join`] of the wires that its runs read, and an outcome
 //! that others read is a join of one run. Joins are ports of the folded netlist, so its operations need no other netlist.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::super::share::Group;
 use crate::graph::{Net, Node, NodeId, Op, Port, Tap};
@@ -92,9 +92,9 @@ struct Folding<'a> {
     blocks: Blocks<'a>,
     shape: Shape,
     /// Outcomes that have a join: node of the design to port.
-    outcomes: HashMap<NodeId, NodeId>,
+    outcomes: BTreeMap<NodeId, NodeId>,
     /// Inputs that have a join: block and place to port.
-    inputs: HashMap<(usize, usize), NodeId>,
+    inputs: BTreeMap<(usize, usize), NodeId>,
 }
 
 impl Folding<'_> {
@@ -169,7 +169,7 @@ impl Shape {
         };
         let blocks = Blocks::new(net, groups);
         let mut folding =
-            Folding { of: net, of_ranges: ranges, blocks, shape, outcomes: HashMap::new(), inputs: HashMap::new() };
+            Folding { of: net, of_ranges: ranges, blocks, shape, outcomes: BTreeMap::new(), inputs: BTreeMap::new() };
         // Joins are numbered after the ports of the design.
         for port in &net.ports {
             let id = folding.push(*net.node(port.node), ranges.of(port.node), 1);

@@ -7,6 +7,7 @@ use super::super::value::Value;
 use super::shape::{Join, Shape};
 use super::units::UnitKind;
 use crate::graph::NodeId;
+use crate::target::Target;
 
 /// An operation to be scheduled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -67,7 +68,7 @@ pub(super) fn bits_of(body: &Body, id: NodeId) -> Option<u64> {
 
 impl Tasks {
     /// Tasks of a folded netlist that lead to an output. `body` holds its values, and then the bits of every wire that somebody reads.
-    pub(super) fn new(shape: &Shape, kinds: &[UnitKind], body: &mut Body) -> Self {
+    pub(super) fn new(shape: &Shape, kinds: &[UnitKind], body: &mut Body, target: Target) -> Self {
         let mut tasks = Self {
             all: Vec::new(),
             reads: HashMap::new(),
@@ -78,7 +79,7 @@ impl Tasks {
             needs: Vec::new(),
             users: Vec::new(),
         };
-        tasks.collect(shape, kinds, body);
+        tasks.collect(shape, kinds, body, target);
         tasks.order();
         tasks.demand(shape, kinds, body, |_, _, _| 0);
         tasks.all.retain(|task| tasks.makes[task].iter().any(|id| body.reads.contains_key(id)));
@@ -93,7 +94,7 @@ impl Tasks {
         tasks
     }
 
-    fn collect(&mut self, shape: &Shape, kinds: &[UnitKind], body: &Body) {
+    fn collect(&mut self, shape: &Shape, kinds: &[UnitKind], body: &Body, target: Target) {
         for (kind, of_kind) in kinds.iter().enumerate() {
             for (number, own) in of_kind.uses.iter().enumerate() {
                 let reads = own.inputs.iter().filter_map(|&input| base(body, input)).collect();
@@ -109,7 +110,7 @@ impl Tasks {
                     let of_runs: Vec<_> = sources.iter().map(|&source| base(body, source)).collect();
                     let reads = of_runs.iter().flatten().copied().collect();
                     self.choices.insert(id, of_runs);
-                    self.add(Task::Choice(id), reads, vec![id], sources.len().next_power_of_two().ilog2());
+                    self.add(Task::Choice(id), reads, vec![id], target.choice(sources.len() as u32));
                 }
                 Join::Outcome { of, run } => {
                     let base = base(body, *of).unwrap_or(*of);

@@ -9,18 +9,17 @@ use super::super::body::{Body, mask};
 use super::super::context::{Context, Names};
 use super::super::error::VerilogError;
 use super::super::format::vector;
-use super::super::interface::{Interface, PortDescription};
-use super::super::module::{port_list, sink, unread};
+use super::super::interface::Interface;
+use super::super::module::{port_list, sink};
 use super::super::pipeline::{TAKEN, input, outputs, port_lines};
 use super::super::text::{END, header};
 use super::super::value::{View, Wire, constant_bits, view_bits};
 use super::super::wire::Parts;
 use super::folded::Folded;
 use super::schedule::stride;
-use super::shape::Join;
 use super::tasks::{Task, bits_of};
 use super::units::{Hardware, UnitKind};
-use crate::graph::{NodeId, Op};
+use crate::graph::NodeId;
 
 /// Text of the top, and the facts that its surroundings need.
 pub(super) struct Top {
@@ -28,22 +27,26 @@ pub(super) struct Top {
     pub(super) interface: Interface,
     pub(super) register_bits: u32,
     pub(super) parts: Parts,
+    /// True if a value waits in a ring.
+    pub(super) uses_ring: bool,
 }
 
 /// Sources of one operand of one unit: text to the phases in which it is read.
 type Sources = BTreeMap<String, BTreeSet<u32>>;
 
-struct Writer<'a> {
-    folded: &'a Folded,
-    body: Body<'a>,
+/// Text under way.
+pub(super) struct Writer<'a> {
+    pub(super) folded: &'a Folded,
+    pub(super) body: Body<'a>,
     /// Assignments of wires.
-    wires: String,
+    pub(super) wires: String,
     parts: Parts,
     /// Sources of the operands: kind, unit, place.
     operands: BTreeMap<(usize, u32, usize), Sources>,
     /// Outcomes of the units, with the bits that somebody reads.
-    results: BTreeMap<(usize, u32, usize), (Wire, u128)>,
-    register_bits: u32,
+    pub(super) results: BTreeMap<(usize, u32, usize), (Wire, u128)>,
+    pub(super) register_bits: u32,
+    pub(super) uses_ring: bool,
 }
 
 /// Choice of a value by the phase: an and-or of the sources.
@@ -57,12 +60,6 @@ fn choice(width: u32, sources: &Sources) -> String {
         if width == 1 { format!("({at} & {text})") } else { format!("({{{width}{{{at}}}}} & {text})") }
     });
     terms.collect::<Vec<_>>().join("\n    | ")
-}
-
-/// Enable of a register that takes its value at the end of some phases.
-fn enable(phases: &[u32]) -> String {
-    let at: Vec<String> = phases.iter().map(|phase| format!("take[{phase}]")).collect();
-    at.join(" | ")
 }
 
 impl Writer<'_> {
@@ -176,50 +173,6 @@ impl Writer<'_> {
             )?;
         }
         Ok(())
-    }
-
-    /// Registers of every wire that is read later, and of what is kept.
-    fn registers(&mut self, inputs: &[PortDescription]) -> Result<String, VerilogError> {
-        let folded = self.folded;
-        let mut declared = String::new();
-        let mut moves: BTreeMap<Vec<u32>, String> = BTreeMap::new();
-        let mut taken = String::new();
-        let mut ids: Vec<NodeId> = self.body.reads.keys().copied().collect();
-        ids.sort_unstable();
-        self.body.registers.clear();
-        for id in ids {
-            let last = self.body.reads[&id].keys().copied().max().unwrap_or(0);
-            for number in 1..=last {
-                let to = self.body.wire(id, number);
-                let source = match (folded.shape.joins.get(&id), self.body.op(id), number) {
-                    (Some(Join::Outcome { of, .. }), _, 1) => self.body.text(*of, to.low, to.high, 0).code,
-                    (None, Op::Port(place), 1) => {
-                        let port = inputs.iter().find(|port| port.place == place as usize);
-                        let Some(PortDescription { port, format, .. }) = port else { continue };
-                        let (low, high) = (format.zeros, format.zeros + format.width());
-                        let wire = Wire { name: port.clone(), low, high, signed: format.signed() };
-                        view_bits(&View::of(id), &wire, to.low, to.high).code
-                    }
-                    _ => self.body.wire(id, number - 1).slice(to.low, to.high),
-                };
-                writeln!(declared, "  reg {}{};", vector(to.width(), to.signed), to.name)?;
-                self.register_bits += to.width();
-                if number == 1 && matches!(self.body.op(id), Op::Port(_)) && !folded.shape.joins.contains_key(&id) {
-                    writeln!(taken, "      {} <= {source};", to.name)?;
-                    continue;
-                }
-                let phases = folded.schedule.phases(&folded.shape, id, number);
-                writeln!(moves.entry(phases).or_default(), "      {} <= {source};", to.name)?;
-            }
-        }
-        self.wires = format!("{declared}\n{}", self.wires);
-        let mut always =
-            format!("  // A fragment is taken.\n  always @(posedge clk)\n    if (in_ready) begin\n{taken}    end\n");
-        for (phases, moves) in moves {
-            let enable = enable(&phases);
-            writeln!(always, "  always @(posedge clk)\n    if ({enable}) begin\n{moves}    end")?;
-        }
-        Ok(always)
     }
 
     /// Units with the registers of their operands.
@@ -359,6 +312,7 @@ pub(super) fn top(
         operands: BTreeMap::new(),
         results: BTreeMap::new(),
         register_bits: 0,
+        uses_ring: false,
     };
     let mut stage = None;
     for &task in &folded.tasks.all {
@@ -449,31 +403,5 @@ pub(super) fn top(
     text += END;
     let register_bits = writer.register_bits + interval + stages;
     let interface = Interface { module: name.to_owned(), latency, inputs, outputs };
-    Ok(Top { text, interface, register_bits, parts: writer.parts })
-}
-
-impl Writer<'_> {
-    /// Bits of inputs, wires and registers that nobody reads.
-    fn unused(&self, inputs: &[PortDescription]) -> Vec<String> {
-        let mut parts = Vec::new();
-        for port in inputs {
-            let id = self.folded.shape.net.ports[port.place].node;
-            let (low, high) = (port.format.zeros, port.format.zeros + port.format.width());
-            let wire = Wire { name: port.port.clone(), low, high, signed: port.format.signed() };
-            parts.extend(unread(&wire, self.body.reads_from(id, 1)));
-        }
-        for (wire, reads) in self.results.values() {
-            parts.extend(unread(wire, *reads as u64));
-        }
-        let mut ids: Vec<NodeId> = self.body.reads.keys().copied().collect();
-        ids.sort_unstable();
-        for id in ids {
-            let is_kept = self.folded.schedule.made.get(&id).is_some_and(|made| made.kept);
-            let last = self.body.reads[&id].keys().copied().max().unwrap_or(0);
-            for number in u32::from(is_kept)..=last {
-                parts.extend(unread(&self.body.wire(id, number), self.body.reads_from(id, number)));
-            }
-        }
-        parts
-    }
+    Ok(Top { text, interface, register_bits, parts: writer.parts, uses_ring: writer.uses_ring })
 }

@@ -135,8 +135,8 @@ fn grouped(shape: &Shape, candidates: Vec<Vec<NodeId>>) -> Vec<(Local, Vec<Use>)
     kinds
 }
 
-/// Every kind of shared unit of a folded netlist; the first is the multiplier. `depth` is the most levels between two registers.
-pub(super) fn kinds(shape: &Shape, depth: u32, prefix: &str, origin: &str) -> Result<Vec<UnitKind>, VerilogError> {
+/// Every kind of shared unit of a folded netlist; the first is the multiplier. The context has depth, target and names.
+pub(super) fn kinds(shape: &Shape, context: Context) -> Result<Vec<UnitKind>, VerilogError> {
     let net = &shape.net;
     let copies = |uses: &[Use]| uses.iter().map(|own| shape.copies[own.nodes[0] as usize]).sum::<u32>();
     let mut all: Vec<(Local, Vec<Use>)> =
@@ -151,7 +151,7 @@ pub(super) fn kinds(shape: &Shape, depth: u32, prefix: &str, origin: &str) -> Re
     let products: Vec<Use> =
         products.map(|id| Use { nodes: vec![id], inputs: net.node(id).op.operands().collect() }).collect();
     if !products.is_empty() {
-        found.push(multiplier(shape, products, prefix));
+        found.push(multiplier(shape, products, context.prefix));
     }
     let mut names: HashMap<&'static str, u32> = HashMap::new();
     for (_, uses) in all {
@@ -165,7 +165,7 @@ pub(super) fn kinds(shape: &Shape, depth: u32, prefix: &str, origin: &str) -> Re
         let number = names.entry(base).or_default();
         let name = format!("{base}_{number}");
         *number += 1;
-        found.push(module_kind(shape, &name, uses, depth, prefix, origin)?);
+        found.push(module_kind(shape, &name, uses, context)?);
     }
     Ok(found)
 }
@@ -196,14 +196,7 @@ fn multiplier(shape: &Shape, uses: Vec<Use>, prefix: &str) -> UnitKind {
 }
 
 /// Kind whose hardware is a module of its operations.
-fn module_kind(
-    shape: &Shape,
-    name: &str,
-    uses: Vec<Use>,
-    depth: u32,
-    prefix: &str,
-    origin: &str,
-) -> Result<UnitKind, VerilogError> {
+fn module_kind(shape: &Shape, name: &str, uses: Vec<Use>, context: Context) -> Result<UnitKind, VerilogError> {
     let net = &shape.net;
     let mut read_outside = vec![false; uses[0].nodes.len()];
     for own in &uses {
@@ -285,7 +278,7 @@ fn module_kind(
     }
     let run = GroupRun { stage: 0, nodes: own_nodes, inputs: unit.ports.iter().map(|port| port.node).collect() };
     let group = Group { name: name.to_owned(), runs: vec![run] };
-    let context = Context { net: &unit, ranges: &ranges, depth: Some(depth), prefix, origin };
+    let context = Context { net: &unit, ranges: &ranges, ..context };
     let module = Module::new(context, &group, |_| true)?;
     let outputs = module.outputs.iter().map(|port| (port.place, port.format.range)).collect();
     Ok(UnitKind { name: module.name.clone(), uses, hardware: Hardware::Module(Box::new(module)), inputs, outputs })

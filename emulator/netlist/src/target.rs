@@ -1,0 +1,106 @@
+//! Devices for which hardware is written: how many levels of logic an operation takes there, and how many fit between two registers.
+//!
+//! On gates a level is a gate of two inputs (the unit-delay model of [`super::delay`]). On an FPGA it is a lookup table of four inputs with the wire
+//! to it, some 1.1 ns on an ECP5: a carry chain is hardly longer than that, and a product takes a cycle between the registers of a DSP block.
+//!
+//! | operation | levels on an FPGA |
+//! |---|---|
+//! | add, sub | 2; 3 above 24 bits |
+//! | lt | 3: the end of a carry chain goes through one more table |
+//! | mul | a whole cycle |
+//! | mul by a constant of d digits | 2 for each level of an adder tree of d rows |
+//! | shift by a count | a select for each bit of the count |
+//! | leading zeros of w bits | ⌈log₂ w⌉ − 1 |
+//! | table of n entries | ⌈log₂ n⌉ − 3, at least 1 |
+//! | and, or, xor, select | 1 |
+//! | choice among n wires by the phase | ⌈½ log₂ n⌉ + 1 |
+
+use super::delay::{log2_above, unit_levels};
+use super::unit::{Unit, signed_digits};
+
+/// A kind of device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Target {
+    /// Gates of two inputs.
+    #[default]
+    Asic,
+    /// Lattice iCE40.
+    Ice40,
+    /// Lattice ECP5.
+    Ecp5,
+    /// Gowin GW1N and GW2A.
+    Gowin,
+    /// AMD 7 series.
+    Xc7,
+}
+
+impl Target {
+    /// Every target.
+    pub const ALL: [Self; 5] = [Self::Asic, Self::Ice40, Self::Ecp5, Self::Gowin, Self::Xc7];
+
+    /// Name in options and manifests.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Asic => "asic",
+            Self::Ice40 => "ice40",
+            Self::Ecp5 => "ecp5",
+            Self::Gowin => "gowin",
+            Self::Xc7 => "xc7",
+        }
+    }
+
+    /// Target of a name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|target| target.name() == name)
+    }
+
+    /// True if lookup tables can be small memories whose read needs no clock.
+    pub const fn has_small_memories(self) -> bool {
+        matches!(self, Self::Ecp5 | Self::Gowin | Self::Xc7)
+    }
+
+    /// Most levels in a cycle of a folded design, unless the user gives another number.
+    pub const fn folded_depth(self) -> u32 {
+        match self {
+            Self::Asic => 24,
+            Self::Ice40 => 6,
+            Self::Ecp5 | Self::Gowin => 7,
+            Self::Xc7 => 10,
+        }
+    }
+
+    /// Most levels between two registers of a flat design, unless the user gives another number; `None` has registers between stages only.
+    pub const fn flat_depth(self) -> Option<u32> {
+        match self {
+            Self::Asic => None,
+            _ => Some(self.folded_depth()),
+        }
+    }
+
+    /// Levels of a unit, if at most `depth` fit between two registers.
+    pub fn levels(self, unit: Unit, depth: u32) -> u32 {
+        if self == Self::Asic {
+            return unit_levels(unit);
+        }
+        match unit {
+            Unit::Nothing | Unit::Wires => 0,
+            Unit::Adder { bits, .. } => 2 + u32::from(bits > 24),
+            Unit::Comparator { .. } => 3,
+            Unit::Multiplier(_) => depth,
+            Unit::ConstantMultiplier { by, .. } => 2 * log2_above(signed_digits(by)),
+            Unit::Shifter { places, .. } => places,
+            Unit::LeadingZeros { bits } => log2_above(bits).saturating_sub(1).max(1),
+            Unit::Table { entries } => log2_above(entries).saturating_sub(3).max(1),
+            Unit::Mask | Unit::Logic { .. } | Unit::Select { .. } => 1,
+        }
+    }
+
+    /// Levels of a choice among some wires by the phase.
+    pub fn choice(self, wires: u32) -> u32 {
+        match self {
+            Self::Asic => log2_above(wires),
+            _ if wires < 2 => 0,
+            _ => log2_above(wires).div_ceil(2) + 1,
+        }
+    }
+}
