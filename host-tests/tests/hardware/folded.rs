@@ -123,6 +123,21 @@ fn a_wrong_slot_a_wrong_operand_and_a_missing_wait_are_found() {
 }
 
 #[test]
+fn registers_of_products_are_kept_on_ice40_where_yosys_loses_them() {
+    let text = |target, multipliers| {
+        let options = Options { target, multipliers, ..options("narrow", PLANS[2].1, None) };
+        let files = record::verilog(Design::Reflection, &options).expect("the design is proven").files;
+        files.into_values().collect::<Vec<_>>().join("\n")
+    };
+    let flat = text(Target::Ice40, None);
+    let products = flat.lines().filter(|line| line.contains("(* keep *) reg") && line.contains("_mul_s"));
+    // Two of the sixteen products of a mirror end their stage, whose outcome is in a register of the top.
+    assert!(products.count() >= 14);
+    assert!(text(Target::Ice40, Some(2)).contains("(* keep_hierarchy *)\nmodule multiplier"));
+    assert!(!text(Target::Ecp5, None).contains("keep"));
+}
+
+#[test]
 fn a_folded_design_is_the_same_text_every_time() {
     for target in [Target::Asic, Target::Ecp5] {
         let options = Options { target, ..folded_options("narrow", FULL, 4) };

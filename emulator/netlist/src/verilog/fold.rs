@@ -28,6 +28,7 @@ use super::share::Group;
 use super::text::filled;
 use super::wire::Parts;
 use crate::interval::Ranges;
+use crate::target::Target;
 
 /// Multiplier of two signed operands, with a rank of registers before and one after it.
 const MULTIPLIER: &str = include_str!("templates/multiplier.v");
@@ -58,13 +59,18 @@ pub(super) fn write(
 ) -> Result<FoldedVerilog, VerilogError> {
     let (folded, top) =
         Folded::new(flat, own, groups, multipliers, |folded, body| text::top(folded, body, flat, name, description))?;
+    // Yosys 0.23 to 0.70 may take a product's register into a block of another one.
+    let keep = if flat.target == Target::Ice40 { "(* keep_hierarchy *)\n" } else { "" };
     let mut files = BTreeMap::new();
     let mut parts = top.parts;
     let mut modules = Vec::new();
     for kind in &folded.kinds {
         match &kind.hardware {
             Hardware::Multiplier(_) => {
-                files.insert(format!("{}.v", kind.name), filled(MULTIPLIER, &[("NAME", kind.name.clone())]));
+                files.insert(
+                    format!("{}.v", kind.name),
+                    filled(MULTIPLIER, &[("NAME", kind.name.clone()), ("KEEP", keep.to_owned())]),
+                );
             }
             Hardware::Module(module) => {
                 files.insert(format!("{}.v", module.name), module.text.clone());

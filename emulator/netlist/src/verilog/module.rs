@@ -16,7 +16,8 @@ use super::share::Group;
 use super::text::{END, header, identifier};
 use super::value::Wire;
 use super::wire::Parts;
-use crate::graph::{NodeId, Tap};
+use crate::graph::{NodeId, Op, Tap};
+use crate::target::Target;
 
 /// A port of a module, named for the first run.
 #[derive(Clone, Debug)]
@@ -305,7 +306,10 @@ impl Module {
         let mut unused = Vec::new();
         for id in carried {
             let (from, to) = (body.wire(id, rank), body.wire(id, rank + 1));
-            writeln!(text, "  reg {}{};", vector(to.width(), to.signed), to.name)?;
+            // Yosys 0.23 to 0.70 lose a product whose register iCE40's DSP blocks take together with an adder.
+            let is_taken = rank == body.ranks[&id] && matches!(body.op(id), Op::Mul(..));
+            let keep = if is_taken && body.context.target == Target::Ice40 { "(* keep *) " } else { "" };
+            writeln!(text, "  {keep}reg {}{};", vector(to.width(), to.signed), to.name)?;
             writeln!(moves, "      {} <= {};", to.name, from.slice(to.low, to.high))?;
             self.register_bits += to.width();
             unused.extend(unread(&to, body.reads_from(id, rank + 1)));

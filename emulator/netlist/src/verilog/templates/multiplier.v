@@ -4,7 +4,7 @@
 
 `default_nettype none
 
-module @NAME@ #(
+@KEEP@module @NAME@ #(
   parameter A = 18,
   parameter B = 18
 ) (
