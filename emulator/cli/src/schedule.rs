@@ -82,7 +82,7 @@ pub(super) fn run(args: &ScheduleArgs) -> Result<(), Failure> {
             target: args.target,
             ..Options::new(&profile.name, profile.precision, effects)
         };
-        match Folded::of(net.clone(), &options) {
+        match Folded::from_net(net.clone(), &options) {
             Err(VerilogError::Unproven(violations)) => Err(unproven(&violations)),
             other => Ok((multipliers, other?)),
         }

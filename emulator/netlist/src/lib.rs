@@ -5,7 +5,7 @@
 //! - [`evaluate`] computes it for given ports (a backend like any other).
 //! - [`interval`] proves that no wire can leave its word.
 //! - [`observe`] compares these ranges with the values of wires.
-//! - [`census`] counts the cost of each stage, [`delay`] its levels.
+//! - [`census`] counts the cost of each stage, [`delay`] its levels on gates, [`target`] on devices.
 //! - [`verilog`] writes it as hardware.
 //!
 //! Folder `op` defines each operation for all walks. Every [`Design`](roughxel_core::design::Design) can be recorded.

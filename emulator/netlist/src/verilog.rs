@@ -8,6 +8,7 @@ pub(crate) mod body;
 mod context;
 mod driver;
 mod error;
+mod excerpt;
 mod fold;
 mod format;
 mod interface;
@@ -59,7 +60,8 @@ pub struct Options {
     pub precision: Precision,
     /// Effects that are on; effects that the design does not have are ignored.
     pub effects: Effects,
-    /// Most levels of logic between two registers, in the unit-delay model of [`super::delay`]; `None` has registers between stages only.
+    /// Most levels of logic between two registers, as [`Options::target`] counts them; without it that of the
+    /// target, which for gates has registers between stages only.
     pub depth: Option<u32>,
     /// Device for which levels are counted.
     pub target: Target,
@@ -188,7 +190,7 @@ impl Folded {
     /// Proves a design that was recorded with these options and folds it on [`Options::multipliers`], or on one.
     ///
     /// Errors: everything [`VerilogError`] lists.
-    pub fn of(net: Net, options: &Options) -> Result<Self, VerilogError> {
+    pub fn from_net(net: Net, options: &Options) -> Result<Self, VerilogError> {
         let prepared = Prepared::new(net)?;
         let context = prepared.context(options, "");
         fold::fold(context, &prepared.own_ranges, &prepared.groups, options.multipliers.unwrap_or(1))

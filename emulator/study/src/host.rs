@@ -279,7 +279,7 @@ impl Machine {
 mod tests {
     use super::*;
 
-    /// TimedFragments fragments have the plan that is asked for: footprints on a face, so that times depend on the profile.
+    /// Timed fragments have the plan that is asked for: footprints on a face, so that times depend on the profile.
     #[test]
     fn there_are_fragments_to_measure() {
         let timed = TimedFragments::new().expect("the scene can be drawn");

@@ -9,9 +9,12 @@ use roughxel_core::plan::{Effects, FootprintKind};
 use roughxel_core::precision::RoughnessKind;
 use roughxel_host_tests::simulators::{have, run};
 use roughxel_host_tests::space::{is_full_run, profiles, whole_or};
+use roughxel_netlist::interval::Range;
 use roughxel_netlist::target::Target;
+use roughxel_netlist::unit::{Unit, signed_digits, signed_powers};
 use roughxel_netlist::verilog::{Fault, Folded, Options};
 use roughxel_record as record;
+use roughxel_utilities::random::SplitMix64;
 
 use super::rtl::{Case, FULL, expected, inputs, options};
 
@@ -28,7 +31,7 @@ fn folded_options(profile: &str, effects: Effects, multipliers: u32) -> Options 
 
 fn fold(design: Design, options: &Options) -> Folded {
     let net = record::net(design, &options.effects, &options.precision);
-    Folded::of(net, options).expect("the design is proven")
+    Folded::from_net(net, options).expect("the design is proven")
 }
 
 /// Fragments of the design that differ from the scalar backend when the schedule runs them in a row.
@@ -123,6 +126,43 @@ fn a_wrong_slot_a_wrong_operand_and_a_missing_wait_are_found() {
 }
 
 #[test]
+fn a_constant_is_the_sum_of_its_signed_powers() {
+    let mut random = SplitMix64::for_element("signed powers", 0);
+    let wide = (0..1000).map(|_| random.next_u64().cast_signed() >> 8);
+    for constant in (-5000..=5000).chain(wide) {
+        let powers = signed_powers(constant);
+        let sum: i128 = powers.iter().map(|&(negative, k)| if negative { -(1 << k) } else { 1 << k }).sum();
+        assert_eq!(sum, i128::from(constant), "{powers:?}");
+        assert_eq!(powers.len() as u32, signed_digits(constant), "{constant}");
+        // No two digits are neighbours, so none can be left out.
+        assert!(powers.windows(2).all(|pair| pair[1].1 > pair[0].1 + 1), "{constant}: {powers:?}");
+    }
+}
+
+#[test]
+fn levels_on_a_device_are_those_of_the_table() {
+    let word = Range { low: -32768, high: 32767, zeros: 0 };
+    let table = [
+        (Unit::Adder { bits: 24, constant: false }, 2),
+        (Unit::Adder { bits: 25, constant: true }, 3),
+        (Unit::Comparator { bits: 16 }, 3),
+        (Unit::Multiplier([word, word]), 7),
+        (Unit::ConstantMultiplier { by: 0b101_0101, operand: word }, 4),
+        (Unit::Shifter { bits: 30, places: 5 }, 5),
+        (Unit::LeadingZeros { bits: 31 }, 4),
+        (Unit::Table { entries: 128 }, 4),
+        (Unit::Table { entries: 8 }, 1),
+        (Unit::Select { bits: 16 }, 1),
+        (Unit::Wires, 0),
+    ];
+    for (unit, levels) in table {
+        assert_eq!(Target::Ecp5.levels(unit, 7), levels, "{unit:?}");
+    }
+    assert_eq!([1, 2, 4, 26, 64].map(|wires| Target::Ecp5.choice(wires)), [0, 2, 2, 4, 4]);
+    assert_eq!(Target::Asic.choice(26), 5);
+}
+
+#[test]
 fn registers_of_products_are_kept_on_ice40_where_yosys_loses_them() {
     let text = |target, multipliers| {
         let options = Options { target, multipliers, ..options("narrow", PLANS[2].1, None) };
@@ -180,13 +220,24 @@ fn a_depth_below_the_deepest_operation_names_the_least_one() {
 
 #[test]
 fn folded_designs_lint_clean_and_give_the_scalar_bits_in_icarus() {
-    let mut cases = vec![("narrow", FULL, 8), ("compact", PLANS[1].1, 4), ("standard", PLANS[2].1, 1)];
+    // On an ECP5 values wait in rings, too.
+    let mut cases = vec![
+        ("narrow", FULL, 8, Target::Asic),
+        ("narrow", FULL, 6, Target::Ecp5),
+        ("compact", PLANS[1].1, 4, Target::Gowin),
+        ("standard", PLANS[2].1, 1, Target::Asic),
+    ];
     if is_full_run() {
         let profiles = profiles().into_iter().flat_map(|(profile, _)| PLANS.map(|(_, effects)| (profile, effects)));
-        cases = profiles.flat_map(|(profile, effects)| [1, 2, 8, 32].map(|k| (profile, effects, k))).collect();
+        let cells = [(1, Target::Asic), (2, Target::Asic), (8, Target::Asic), (8, Target::Xc7), (32, Target::Asic)];
+        let cells = |(profile, effects)| cells.map(|(multipliers, target)| (profile, effects, multipliers, target));
+        cases = profiles.flat_map(cells).collect();
     }
-    cases.into_par_iter().for_each(|(profile, effects, multipliers)| {
-        let mut case = Case::new(Design::Reflection, 40, &folded_options(profile, effects, multipliers));
+    cases.into_par_iter().for_each(|(profile, effects, multipliers, target)| {
+        let options = Options { target, ..folded_options(profile, effects, multipliers) };
+        let mut case = Case::new(Design::Reflection, 40, &options);
+        let has_rings = case.written.verilog.files.contains_key("roughxel_ring.v");
+        assert_eq!(has_rings, target.has_small_memories(), "{profile} {multipliers} {}", target.name());
         if have("verilator") {
             case.written.lint();
         }
@@ -258,16 +309,19 @@ fn adapter(flat: &str, shell: &str, [in_bits, out_bits]: [u32; 2], width: u32) -
         "module {flat} (input wire clk, input wire rst, input wire in_valid, output wire in_ready, input wire [{}:0] in_bits,
   output wire out_valid, input wire out_ready, output wire [{}:0] out_bits);
   reg [{}:0] sending; integer left = 0;
+  // The first word ends its packet too early and is dropped.
+  reg early = {ins} > 1;
   reg [{}:0] got; integer have = 0;
   wire s_ready, m_valid, m_last;
   wire [{}:0] m_data;
-  assign in_ready = left == 0;
+  assign in_ready = left == 0 && !early;
   wire m_ready = have < {outs};
   assign out_valid = have == {outs};
   assign out_bits = got[{}:0];
   always @(posedge clk) begin
     if (rst) left <= 0;
     else if (in_valid && in_ready) begin sending <= in_bits; left <= {ins}; end
+    else if (early) early <= !s_ready;
     else if (left != 0 && s_ready) begin sending <= sending >> {width}; left <= left - 1; end
     if (rst) have <= 0;
     else if (out_valid && out_ready) have <= 0;
@@ -277,8 +331,8 @@ fn adapter(flat: &str, shell: &str, [in_bits, out_bits]: [u32; 2], width: u32) -
       if (m_last != (have == {}) ) $display(\"FAIL: tlast\");
     end
   end
-  {shell} dut (.aclk(clk), .aresetn(~rst), .s_axis_tvalid(left != 0), .s_axis_tready(s_ready), .s_axis_tdata(sending[{}:0]),
-    .s_axis_tlast(left == 1), .m_axis_tvalid(m_valid), .m_axis_tready(m_ready), .m_axis_tdata(m_data), .m_axis_tlast(m_last));
+  {shell} dut (.aclk(clk), .aresetn(~rst), .s_axis_tvalid(early || left != 0), .s_axis_tready(s_ready), .s_axis_tdata(sending[{}:0]),
+    .s_axis_tlast(early || left == 1), .m_axis_tvalid(m_valid), .m_axis_tready(m_ready), .m_axis_tdata(m_data), .m_axis_tlast(m_last));
 endmodule
 ",
         in_bits - 1,

@@ -127,7 +127,7 @@ impl Texture {
 }
 
 impl Content<'_> {
-    /// What the file says of its colours.
+    /// Words of the file about its colours.
     pub(super) fn words(&self) -> ColourWords {
         // Codes whose file says nothing are colours as everywhere else.
         let default = if self.format.is_codes() { Transfer::Srgb } else { Transfer::Linear };

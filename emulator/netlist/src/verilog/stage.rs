@@ -1,17 +1,16 @@
 //! Single stages: the ports of each module, and its outcomes.
 
-use std::collections::HashMap;
-
 use roughxel_core::bundle::Step;
 
 use super::context::Context;
 use super::error::VerilogError;
+use super::excerpt::Excerpt;
 use super::format::Format;
 use super::interface::{Interface, PortDescription};
 use super::module::{Module, ModulePort};
 use super::share::Group;
 use super::{Options, Prepared};
-use crate::graph::{Net, Node, NodeId, Op, Port, Run, Tap};
+use crate::graph::{Net, NodeId, Op};
 use crate::interval::Range;
 use crate::target::Target;
 
@@ -145,70 +144,23 @@ impl StagePort {
 /// Operations of the first run as a separate net.
 fn unit(context: Context, group: &Group, module: &Module) -> Net {
     let (net, first) = (context.net, &group.runs[0]);
-    let mut taken = Taken { of: net, net: Net::default(), places: HashMap::new() };
-    taken.net.runs.push(Run { run: 0, repeated: false, ..net.runs[first.stage as usize].clone() });
-    for (number, port) in (0..).zip(&module.inputs) {
-        let id = first.inputs[port.place];
-        taken.add(id, Op::Port(number));
+    let mut excerpt = Excerpt::new(net, net.runs[first.stage as usize].name);
+    for port in &module.inputs {
         let Format { range, zeros, fraction_bits, .. } = port.format;
-        taken.net.ports.push(Port {
-            name: port.name.clone(),
-            path: Vec::new(),
-            kind: net.node(id).kind,
-            mantissa: false,
-            fraction_bits,
-            low: range.low,
-            high: range.high,
-            zeros,
-            node: taken.places[&id],
-        });
+        excerpt.add_port(first.inputs[port.place], port.name.clone(), fraction_bits, Range { zeros, ..range });
     }
     for &id in &first.inputs {
         // An input with one value in every run has no port.
         if let Some(value) = context.ranges.of(id).constant() {
-            taken.add(id, Op::Lit(value));
+            excerpt.add(id, Op::Lit(value));
         }
     }
-    for &id in &first.nodes {
-        for operand in net.node(id).op.operands() {
-            if let Op::Lit(value) = net.node(operand).op {
-                taken.add(operand, Op::Lit(value));
-            }
-        }
-        let op = net.node(id).op.map(|operand| taken.places[&operand]);
-        taken.add(id, op);
-    }
+    first.nodes.iter().for_each(|&id| excerpt.add_operation(id));
     for port in &module.outputs {
         let Format { range, fraction_bits, .. } = port.format;
-        taken.net.outputs.push(Tap {
-            stage: None,
-            name: port.name.clone(),
-            path: Vec::new(),
-            mantissa: false,
-            fraction_bits,
-            node: taken.places[&first.nodes[port.place]],
-        });
-        taken.net.limits.push((range.low, range.high));
+        let output = excerpt.tap(first.nodes[port.place], None, port.name.clone(), fraction_bits);
+        excerpt.net.outputs.push(output);
+        excerpt.net.limits.push((range.low, range.high));
     }
-    taken.net
-}
-
-/// Operations that are copied from a design.
-struct Taken<'a> {
-    of: &'a Net,
-    net: Net,
-    /// Places of the design's nodes in the net.
-    places: HashMap<NodeId, NodeId>,
-}
-
-impl Taken<'_> {
-    /// Copies a node with a different operation, once.
-    fn add(&mut self, id: NodeId, op: Op) {
-        let Self { of, net, places } = self;
-        places.entry(id).or_insert_with(|| {
-            let stage = if matches!(op, Op::Port(_) | Op::Lit(_)) { None } else { Some(0) };
-            net.nodes.push(Node { op, stage, ..*of.node(id) });
-            net.nodes.len() as NodeId - 1
-        });
-    }
+    excerpt.net
 }

@@ -5,7 +5,7 @@ use super::formats::read_as;
 use super::*;
 use crate::picture::read_cube;
 
-/// The same bytes `count` times.
+/// Bytes, `count` times over.
 fn times(bytes: &[u8], count: usize) -> Vec<u8> {
     bytes.repeat(count)
 }

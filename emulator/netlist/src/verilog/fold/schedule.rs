@@ -59,8 +59,8 @@ struct Scheduler<'a> {
     schedule: Schedule,
     /// Units of each kind that are taken, by phase.
     taken: Vec<Vec<Vec<bool>>>,
-    /// Wires that each operand of each unit already reads.
-    sources: HashMap<(usize, u32, usize), BTreeSet<NodeId>>,
+    /// Wires that units already read: kind, unit, place among the reads of a task, wire.
+    sources: BTreeSet<(usize, u32, usize, NodeId)>,
 }
 
 impl Scheduler<'_> {
@@ -126,31 +126,25 @@ impl Scheduler<'_> {
         let phases = |cycle: u32| (0..copies).map(move |run| ((cycle + run * apart) % interval) as usize);
         let is_free = |cycle: &u32| phases(*cycle).all(|phase| self.taken[kind][phase].iter().any(|&taken| !taken));
         let cycle = (from..from + interval).find(is_free)?;
-        let reads = self.tasks.reads[&task].clone();
+        let reads = &self.tasks.reads[&task];
         let mut units = Vec::new();
         for phase in phases(cycle) {
             // A unit that reads these wires already needs no wider choice.
             let known = |unit: u32| {
-                let reads = |(place, id): (usize, &NodeId)| {
-                    self.sources.get(&(kind, unit, place)).is_some_and(|known| known.contains(id))
-                };
-                reads_count(reads, &self.tasks.reads[&task])
+                let places = reads.iter().enumerate();
+                places.filter(|&(place, id)| self.sources.contains(&(kind, unit, place, *id))).count()
             };
             let free = (0..self.schedule.units[kind]).filter(|&unit| !self.taken[kind][phase][unit as usize]);
             let unit = free.max_by_key(|&unit| (known(unit), Reverse(unit)))?;
             self.taken[kind][phase][unit as usize] = true;
             for (place, &id) in reads.iter().enumerate() {
-                self.sources.entry((kind, unit, place)).or_default().insert(id);
+                self.sources.insert((kind, unit, place, id));
             }
             units.push(unit);
         }
         self.schedule.bound.insert((kind, number), units);
         Some(cycle)
     }
-}
-
-fn reads_count(reads: impl Fn((usize, &NodeId)) -> bool, wires: &[NodeId]) -> usize {
-    wires.iter().enumerate().filter(|&(place, id)| reads((place, id))).count()
 }
 
 impl Schedule {
@@ -178,7 +172,7 @@ impl Schedule {
         phases
     }
 
-    /// Least interval at which every kind has slots for its uses, with this many units of each.
+    /// Schedule with an interval; `None` if a use finds no free slot.
     fn try_interval(
         shape: &Shape,
         kinds: &[UnitKind],
@@ -197,14 +191,14 @@ impl Schedule {
         let taken = units.iter().map(|&units| vec![vec![false; units as usize]; interval as usize]).collect();
         let schedule =
             Self { interval, units, cycles: HashMap::new(), bound: HashMap::new(), made: HashMap::new(), last: 0 };
-        let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, taken, sources: HashMap::new() };
+        let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, taken, sources: BTreeSet::new() };
         for port in shape.net.ports.iter().filter(|port| !shape.joins.contains_key(&port.node)) {
             scheduler.schedule.made.insert(port.node, Made { cycle: 0, levels: 0, kept: true });
         }
         scheduler.run().then_some(scheduler.schedule)
     }
 
-    /// Schedule with a number of multipliers and a most number of levels in a cycle.
+    /// Schedule with the least interval that list scheduling finds, for a number of multipliers and the most levels in a cycle.
     pub(super) fn new(
         shape: &Shape,
         kinds: &[UnitKind],

@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use super::super::excerpt::port;
 use super::super::share::Group;
 use crate::graph::{Net, Node, NodeId, Op, Port, Tap};
 use crate::interval::{Range, Ranges};
@@ -110,18 +111,7 @@ impl Folding<'_> {
         let node =
             Node { op: Op::Port(self.shape.net.ports.len() as u32), stage: None, part: None, ..*self.of.node(like) };
         let id = self.push(node, range, copies);
-        let Range { low, high, zeros } = range;
-        let port = Port {
-            name,
-            path: Vec::new(),
-            kind: node.kind,
-            mantissa: false,
-            fraction_bits: 0,
-            low,
-            high,
-            zeros,
-            node: id,
-        };
+        let port = port(name, id, &node, 0, range);
         self.shape.net.ports.push(port);
         id
     }

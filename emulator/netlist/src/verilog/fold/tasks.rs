@@ -1,4 +1,4 @@
-//! What is to be scheduled: glue, choices among the runs of a block, uses of units; with the wires that each reads and makes.
+//! Tasks of a schedule: glue, choices among the runs of a block, uses of units; with the wires that each reads and makes.
 
 use std::collections::{BTreeSet, HashMap};
 

@@ -185,7 +185,7 @@ impl Writer<'_> {
                 let mut connections = vec![".clk(clk)".to_owned(), ".enable(advance)".to_owned()];
                 let mut choices = String::new();
                 let mut used = false;
-                for place in 0..of_kind.inputs.len() {
+                for place in 0..of_kind.uses[0].inputs.len() {
                     let Some((width, signed)) = of_kind.port(place) else { continue };
                     let Some(sources) = self.operands.get(&(kind, unit, place)) else { continue };
                     used = true;

@@ -9,10 +9,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::super::context::Context;
 use super::super::error::VerilogError;
+use super::super::excerpt::Excerpt;
 use super::super::module::Module;
 use super::super::share::{Group, Local, Run as GroupRun};
-use super::shape::Shape;
-use crate::graph::{Net, Node, NodeId, Op, Port, Run, Tap};
+use super::shape::{Join, Shape};
+use crate::graph::{Node, NodeId, Op};
 use crate::interval::{Range, Ranges};
 use crate::unit::Unit;
 
@@ -43,9 +44,7 @@ pub(super) struct UnitKind {
     pub(super) uses: Vec<Use>,
     /// Hardware of one unit.
     pub(super) hardware: Hardware,
-    /// Ranges of the inputs.
-    pub(super) inputs: Vec<Range>,
-    /// Places of the nodes that others read, with the ranges of these outcomes.
+    /// Places of the nodes that others read, with the ranges of these outcomes; a multiplier's outcome has all its bits.
     pub(super) outputs: Vec<(usize, Range)>,
 }
 
@@ -170,27 +169,19 @@ pub(super) fn kinds(shape: &Shape, context: Context) -> Result<Vec<UnitKind>, Ve
     Ok(found)
 }
 
-fn multiplier(shape: &Shape, uses: Vec<Use>, prefix: &str) -> UnitKind {
-    let mut inputs = [Range::of(0), Range::of(0)];
+fn multiplier(shape: &Shape, mut uses: Vec<Use>, prefix: &str) -> UnitKind {
     let mut widths = [0, 0];
-    let mut uses = uses;
     for own in &mut uses {
         // The wider operand is the first one.
         own.inputs.sort_by_key(|&id| std::cmp::Reverse(signed_width(shape.ranges.of(id))));
-        if own.inputs.len() == 1 {
-            own.inputs.push(own.inputs[0]);
-        }
-        for place in 0..2 {
-            let range = shape.ranges.of(own.inputs[place]);
-            inputs[place] = hull(inputs[place], range);
-            widths[place] = widths[place].max(signed_width(range));
+        for (width, &input) in widths.iter_mut().zip(&own.inputs) {
+            *width = signed_width(shape.ranges.of(input)).max(*width);
         }
     }
     UnitKind {
         name: format!("{prefix}multiplier"),
         uses,
         hardware: Hardware::Multiplier(widths),
-        inputs: inputs.to_vec(),
         outputs: vec![(0, Range::of(0))],
     }
 }
@@ -203,8 +194,8 @@ fn module_kind(shape: &Shape, name: &str, uses: Vec<Use>, context: Context) -> R
         let inside: BTreeSet<NodeId> = own.nodes.iter().copied().collect();
         let others = net.iter().filter(|(id, _)| !inside.contains(id)).flat_map(|(_, node)| node.op.operands());
         let joined = shape.joins.values().flat_map(|join| match join {
-            super::shape::Join::Input(sources) => sources.clone(),
-            super::shape::Join::Outcome { of, .. } => vec![*of],
+            Join::Input(sources) => sources.clone(),
+            Join::Outcome { of, .. } => vec![*of],
         });
         let outputs = net.outputs.iter().map(|output| output.node);
         let read: BTreeSet<NodeId> = others.chain(joined).chain(outputs).collect();
@@ -212,74 +203,38 @@ fn module_kind(shape: &Shape, name: &str, uses: Vec<Use>, context: Context) -> R
             *flag |= read.contains(id);
         }
     }
-    let of_place = |place: usize| {
-        let ranges = uses.iter().map(|own| shape.ranges.of(own.nodes[place]));
+    let all_uses = |node: fn(&Use) -> &[NodeId], place: usize| {
+        let ranges = uses.iter().map(|own| shape.ranges.of(node(own)[place]));
         ranges.reduce(hull).unwrap_or(Range::of(0))
     };
-    let of_input = |place: usize| {
-        let ranges = uses.iter().map(|own| shape.ranges.of(own.inputs[place]));
-        ranges.reduce(hull).unwrap_or(Range::of(0))
-    };
-    // The operations as a netlist of their own, with ports.
-    let mut unit = Net { runs: vec![Run { name: "unit", run: 0, repeated: false }], ..Net::default() };
-    let mut ranges = Ranges { ranges: Vec::new(), violations: Vec::new() };
-    let mut places: HashMap<NodeId, NodeId> = HashMap::new();
+    // The operations as a netlist of their own, whose wires hold the values of all uses.
     let first = &uses[0];
-    let add = |unit: &mut Net, ranges: &mut Ranges, node: Node, range: Range| -> NodeId {
-        unit.nodes.push(node);
-        ranges.ranges.push(range);
-        unit.nodes.len() as NodeId - 1
-    };
-    let mut inputs = Vec::new();
+    let mut excerpt = Excerpt::new(net, "unit");
+    let mut range_of: HashMap<NodeId, Range> = HashMap::new();
     for (place, &id) in first.inputs.iter().enumerate() {
-        let range = of_input(place);
-        inputs.push(range);
-        let node = Node { op: Op::Port(place as u32), stage: None, part: None, ..*net.node(id) };
-        let at = add(&mut unit, &mut ranges, node, range);
-        places.insert(id, at);
-        let Range { low, high, zeros } = range;
-        let port = Port {
-            name: format!("in{place}"),
-            path: Vec::new(),
-            kind: node.kind,
-            mantissa: false,
-            fraction_bits: 0,
-            low,
-            high,
-            zeros,
-            node: at,
-        };
-        unit.ports.push(port);
+        let range = all_uses(|own| &own.inputs, place);
+        excerpt.add_port(id, format!("in{place}"), 0, range);
+        range_of.insert(id, range);
     }
-    let mut own_nodes = Vec::new();
     for (place, &id) in first.nodes.iter().enumerate() {
-        for operand in net.node(id).op.operands() {
-            if let Op::Lit(value) = net.node(operand).op
-                && !places.contains_key(&operand)
-            {
-                let at = add(&mut unit, &mut ranges, *net.node(operand), Range::of(value));
-                places.insert(operand, at);
-            }
-        }
-        let op = net.node(id).op.map(|operand| places[&operand]);
-        let at = add(&mut unit, &mut ranges, Node { op, stage: Some(0), ..*net.node(id) }, of_place(place));
-        places.insert(id, at);
-        own_nodes.push(at);
+        excerpt.add_operation(id);
+        range_of.insert(id, all_uses(|own| &own.nodes, place));
         if read_outside[place] {
-            unit.taps.push(Tap {
-                stage: Some(0),
-                name: format!("out{place}"),
-                path: Vec::new(),
-                mantissa: false,
-                fraction_bits: 0,
-                node: at,
-            });
+            let tap = excerpt.tap(id, Some(0), format!("out{place}"), 0);
+            excerpt.net.taps.push(tap);
         }
     }
-    let run = GroupRun { stage: 0, nodes: own_nodes, inputs: unit.ports.iter().map(|port| port.node).collect() };
+    let Excerpt { net: unit, places, .. } = excerpt;
+    let constant = |node: &Node| if let Op::Lit(value) = node.op { Range::of(value) } else { Range::of(0) };
+    let mut ranges = Ranges { ranges: unit.nodes.iter().map(constant).collect(), violations: Vec::new() };
+    for (id, range) in range_of {
+        ranges.ranges[places[&id] as usize] = range;
+    }
+    let nodes = first.nodes.iter().map(|id| places[id]).collect();
+    let run = GroupRun { stage: 0, nodes, inputs: unit.ports.iter().map(|port| port.node).collect() };
     let group = Group { name: name.to_owned(), runs: vec![run] };
     let context = Context { net: &unit, ranges: &ranges, ..context };
     let module = Module::new(context, &group, |_| true)?;
     let outputs = module.outputs.iter().map(|port| (port.place, port.format.range)).collect();
-    Ok(UnitKind { name: module.name.clone(), uses, hardware: Hardware::Module(Box::new(module)), inputs, outputs })
+    Ok(UnitKind { name: module.name.clone(), uses, hardware: Hardware::Module(Box::new(module)), outputs })
 }
