@@ -138,8 +138,8 @@ fn rule<W: Word>(axes: &Axes<W>, spread: Option<Mantissa<W>>, p: &Precision) -> 
     Rule { count, capped, beyond }
 }
 
-/// Least N for which N − `more` times λ₂ reaches the threshold; whether it is more than the profile has; and how far the threshold is above the
-/// multiple before it.
+/// Least N for which N − `more` times λ₂ reaches the threshold, which is above 0; whether it is more than the profile has; and how far the threshold
+/// is above the multiple before it.
 #[inline(always)]
 fn count<W: Word>(
     minor: Wide<W, MULTIPLE>,
@@ -147,45 +147,50 @@ fn count<W: Word>(
     more: u32,
     p: &Precision,
 ) -> (Int<W>, W::Flag, Wide<W, MULTIPLE>) {
-    // Multiples of λ₂ up to 16, by seven adders; below 16.
-    let mut multiples = [minor; MAX_PROBES + 1];
-    multiples[0] = Fx::zero();
-    for n in 2..=MAX_PROBES {
-        multiples[n] = if n & 1 == 0 { multiples[n >> 1].shl(1) } else { multiples[n - 1] + minor };
-    }
-    let (mut count, mut before) = (Fx::int(1), Fx::zero());
-    let capped = match p.probe_rule {
+    match p.probe_rule {
         ProbeRule::Ceiling => {
-            for n in 1..p.max_probes {
-                let wider = exceeds::<W>(&multiples, n - more, threshold);
-                count = Fx::select(wider, Fx::int(i64::from(n) + 1), count);
-                before = Fx::select(wider, multiple::<W>(&multiples, n - more), before);
+            // Fewest probes of a threshold above 0, and how many more there may be.
+            let fewest = (1 + more).min(p.max_probes);
+            let (mut count, mut beyond) = (Fx::int(fewest.into()), threshold);
+            let mut left = p.max_probes - fewest;
+            // Half of what is left at a time: largest multiple of λ₂ below the rest.
+            for _ in 0..MAX_PROBES.ilog2() {
+                let taken = left.div_ceil(2);
+                let multiple = multiple::<W>(minor, taken);
+                let wider = if taken == 0 { never::<W>() } else { multiple.lt(beyond) };
+                count = Fx::select(wider, count + Fx::int(taken.into()), count);
+                beyond = Fx::select(wider, beyond - multiple, beyond);
+                left -= taken;
             }
-            exceeds::<W>(&multiples, p.max_probes - more, threshold)
+            (count, multiple::<W>(minor, p.max_probes - more).lt(threshold), beyond)
         }
         ProbeRule::PowerOfTwo => {
+            let mut count = Fx::int(1);
             let doublings = p.max_probes.max(1).ilog2();
             for doubling in 0..doublings {
-                let wider = exceeds::<W>(&multiples, (1 << doubling) - more, threshold);
+                let wider = multiple::<W>(minor, (1 << doubling) - more).lt(threshold);
                 count = Fx::select(wider, Fx::int(2 << doubling), count);
             }
-            exceeds::<W>(&multiples, (1 << doublings) - more, threshold)
+            (count, multiple::<W>(minor, (1 << doublings) - more).lt(threshold), threshold)
         }
-    };
-    (count, capped, threshold - before)
+    }
 }
 
-/// Multiple n of λ₂, n ≤ 16.
+/// Multiple n of λ₂, n ≤ 16, from the digits 1, 0 and −1 of n.
 #[inline(always)]
-fn multiple<W: Word>(multiples: &[Wide<W, MULTIPLE>; MAX_PROBES + 1], n: u32) -> Wide<W, MULTIPLE> {
-    // The clamp never acts; it leaves no panic path.
-    multiples[(n as usize).min(MAX_PROBES)]
-}
-
-/// Returns true if the threshold is above the n-th multiple.
-#[inline(always)]
-fn exceeds<W: Word>(multiples: &[Wide<W, MULTIPLE>; MAX_PROBES + 1], n: u32, threshold: Wide<W, MULTIPLE>) -> W::Flag {
-    multiple::<W>(multiples, n).lt(threshold)
+fn multiple<W: Word>(minor: Wide<W, MULTIPLE>, n: u32) -> Wide<W, MULTIPLE> {
+    let mut sum = Fx::zero();
+    let mut rest = n;
+    for place in 0..=MAX_PROBES.ilog2() {
+        if rest & 3 == 3 {
+            sum = sum - minor.shl(place);
+            rest += 1;
+        } else if rest & 1 == 1 {
+            sum = sum + minor.shl(place);
+        }
+        rest >>= 1;
+    }
+    sum
 }
 
 /// 2√3·λ₁/N along the direction.
