@@ -4,7 +4,10 @@
 //! given number of multipliers. Runs of a stage that are the same hardware exist once (`shape`), expensive operations share units (`units`), a modulo
 //! schedule gives each operation its cycle (`tasks`, `schedule`), and `text` writes the top. `machine` runs the schedule in integers, `slots` lists it.
 
+mod binding;
+mod compound;
 mod folded;
+mod grow;
 mod machine;
 mod registers;
 mod schedule;
@@ -79,8 +82,8 @@ pub(super) fn write(
             }
         }
     }
-    if top.uses_ring {
-        files.insert(format!("{}.v", registers::RING), include_str!("templates/ring.v").to_owned());
+    for ((ring, text), _) in registers::RINGS.into_iter().zip(top.uses_rings).filter(|(_, is_used)| *is_used) {
+        files.insert(format!("{ring}.v"), text.to_owned());
     }
     files.insert(format!("{name}.v"), top.text);
     files.insert(format!("{name}.slots.txt"), folded.slot_table());

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use crate::graph::{Kind, Net, NodeId, Op};
+use crate::graph::{Kind, Net, Node, NodeId, Op};
 use crate::interval::{Range, Ranges};
 
 /// One run of a stage. Places of nodes and inputs correspond between runs of one module.
@@ -28,12 +28,35 @@ pub(super) struct Group {
     pub(super) runs: Vec<Run>,
 }
 
-/// Operations with places for operands: nodes that are equal are the same hardware.
+/// Operand of a local operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Operand {
+    /// Outcome of the operation at a place.
+    Place(usize),
+    /// Input of a number.
+    Input(usize),
+    /// Constant.
+    Constant(i64),
+}
+
+/// Operation whose operands are local.
 #[derive(Clone, Debug, PartialEq)]
+pub(super) struct Operation {
+    /// The operation with every operand 0.
+    pub(super) op: Op,
+    /// Kind of its outcome.
+    pub(super) kind: Kind,
+    /// Its operands, in order.
+    pub(super) operands: Vec<Operand>,
+}
+
+/// Operations with places for operands: nodes that are equal are the same hardware.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Local {
-    operations: Vec<(Op, Kind)>,
-    constants: Vec<i64>,
-    inputs: Vec<Kind>,
+    /// Operations by their places.
+    pub(super) operations: Vec<Operation>,
+    /// Kinds of the inputs.
+    pub(super) inputs: Vec<Kind>,
 }
 
 /// Structure of a run; runs with equal structures are the same hardware.
@@ -44,34 +67,29 @@ struct Structure {
     taps: Vec<(NodeId, String, u32)>,
 }
 
-/// An operand that is an input or a constant, as a node number no net reaches.
-const INPUT: NodeId = 1 << 30;
-const CONSTANT: NodeId = 1 << 31;
+impl Operation {
+    /// Operation of a node; `operand` gives the local operands.
+    pub(super) fn new(node: &Node, operand: impl FnMut(NodeId) -> Operand) -> Self {
+        Self { op: node.op.map(|_| 0), kind: node.kind, operands: node.op.operands().map(operand).collect() }
+    }
+}
 
 impl Local {
     /// Operations of some nodes, and the other wires that they read, in the order of their first use.
     pub(super) fn new(net: &Net, nodes: &[NodeId]) -> (Self, Vec<NodeId>) {
-        let place: HashMap<NodeId, NodeId> = nodes.iter().copied().zip(0..).collect();
+        let places: HashMap<NodeId, usize> = nodes.iter().copied().zip(0..).collect();
         let mut inputs: Vec<NodeId> = Vec::new();
-        let mut constants = Vec::new();
-        let mut local = |id: NodeId| {
-            if let Some(&place) = place.get(&id) {
-                return place;
-            }
-            if let Op::Lit(value) = net.node(id).op {
-                constants.push(value);
-                return CONSTANT | (constants.len() - 1) as NodeId;
-            }
-            let known = inputs.iter().position(|&input| input == id);
-            INPUT
-                | known.unwrap_or_else(|| {
-                    inputs.push(id);
-                    inputs.len() - 1
-                }) as NodeId
+        let mut operand = |id: NodeId| match (places.get(&id), net.node(id).op) {
+            (Some(&place), _) => Operand::Place(place),
+            (None, Op::Lit(value)) => Operand::Constant(value),
+            (None, _) => Operand::Input(inputs.iter().position(|&input| input == id).unwrap_or_else(|| {
+                inputs.push(id);
+                inputs.len() - 1
+            })),
         };
-        let operations = nodes.iter().map(|&id| (net.node(id).op.map(&mut local), net.node(id).kind)).collect();
+        let operations = nodes.iter().map(|&id| Operation::new(net.node(id), &mut operand)).collect();
         let kinds = inputs.iter().map(|&input| net.node(input).kind).collect();
-        (Self { operations, constants, inputs: kinds }, inputs)
+        (Self { operations, inputs: kinds }, inputs)
     }
 }
 

@@ -9,9 +9,11 @@ use super::super::context::Context;
 use super::super::error::VerilogError;
 use super::super::share::Group;
 use super::super::text::identifier;
+use super::binding;
+use super::compound::Use;
 use super::schedule::Schedule;
 use super::shape::Shape;
-use super::tasks::{Task, Tasks};
+use super::tasks::{self, Task, Tasks};
 use super::units::{self, Hardware, UnitKind};
 use crate::graph::{NodeId, Op};
 use crate::interval::Ranges;
@@ -91,16 +93,17 @@ impl Folded {
         let depth = flat.depth.unwrap_or(flat.target.folded_depth());
         let shape = Shape::new(flat.net, own, groups);
         check_depth(&shape, flat, depth)?;
-        let kinds = units::kinds(&shape, flat)?;
+        let mut kinds = units::kinds(&shape, flat)?;
         let (net, ranges) = (shape.net.clone(), shape.ranges.clone());
         let context = Context { net: &net, ranges: &ranges, depth: None, ..flat };
-        let of_units: BTreeSet<NodeId> =
-            kinds.iter().flat_map(|kind| &kind.uses).flat_map(|own| own.nodes.clone()).collect();
+        let of_units: BTreeSet<NodeId> = kinds.iter().flat_map(|kind| &kind.uses).flat_map(Use::operations).collect();
         let (inputs, nodes): (Vec<NodeId>, Vec<NodeId>) = (0..net.nodes.len() as NodeId)
             .partition(|id| of_units.contains(id) || matches!(net.node(*id).op, Op::Port(_)));
         let mut body = Body::placed(context, &nodes, &inputs)?;
         let tasks = Tasks::new(&shape, &kinds, &mut body, flat.target);
-        let schedule = Schedule::new(&shape, &kinds, &tasks, [multipliers, depth], flat.target);
+        let mut schedule = Schedule::new(&shape, &kinds, &tasks, [multipliers, depth], flat.target);
+        let bits = |id| units::signed_width(shape.ranges.of(id));
+        binding::improve(&shape, &mut kinds, &mut schedule, |id| tasks::base(&body, id), bits);
         tasks.demand(&shape, &kinds, &mut body, |task, base, run| {
             let cycle = task.map_or(schedule.last, |task| schedule.cycles[&task]);
             let later = match task {
@@ -117,7 +120,12 @@ impl Folded {
     }
 
     pub(super) fn use_count(&self, kind: &UnitKind) -> u32 {
-        kind.uses.iter().map(|own| self.shape.copies[own.nodes[0] as usize]).sum()
+        kind.uses.iter().map(|own| self.shape.copies[own.first() as usize]).sum()
+    }
+
+    /// Cycles from an accepted input to its output: the outcome has a register of its own.
+    pub(super) fn latency(&self) -> u32 {
+        self.schedule.last + 2
     }
 
     /// Name of a wire before it is made unique.
@@ -144,7 +152,7 @@ impl Folded {
         FoldSummary {
             interval: self.schedule.interval,
             bound: products.map_or(1, |kind| self.use_count(kind).div_ceil(self.multipliers)),
-            latency: self.schedule.last + 1,
+            latency: self.latency(),
             depth: self.depth,
             units: units.collect(),
             glue: self.tasks.all.iter().filter(|task| matches!(task, Task::Glue(_))).count() as u32,

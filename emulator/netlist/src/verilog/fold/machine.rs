@@ -135,8 +135,9 @@ impl Folded {
                 }
                 Task::Use(kind, number) => {
                     let (own, latency) = (&self.kinds[kind].uses[number], self.kinds[kind].latency());
-                    let (mut nodes, fetched) = self.between(&self.tasks.reads[&task], &own.inputs, false);
-                    nodes.extend(&own.nodes);
+                    let inputs: Vec<NodeId> = own.reads().map(|(_, id)| id).collect();
+                    let (mut nodes, fetched) = self.between(&self.tasks.reads[&task], &inputs, false);
+                    nodes.extend(own.operations());
                     let fetches = fetched.into_iter().map(|read| place(read, first)).collect();
                     let unit = Some((kind, schedule.bound[&(kind, number)][run as usize]));
                     Step {

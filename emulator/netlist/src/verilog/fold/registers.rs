@@ -12,8 +12,14 @@ use super::shape::Join;
 use super::text::Writer;
 use crate::graph::{NodeId, Op};
 
-/// Name of the module of a ring.
-pub(super) const RING: &str = "roughxel_ring";
+/// Modules of rings with their text: in lookup tables, and in a block memory.
+pub(super) const RINGS: [(&str, &str); 2] = [
+    ("roughxel_ring", include_str!("../templates/ring.v")),
+    ("roughxel_block_ring", include_str!("../templates/block_ring.v")),
+];
+
+/// Least bits of a ring that is worth a block memory.
+const BLOCK_BITS: u32 = 40;
 
 /// Enable of a register that takes its value at the end of some phases.
 fn enable(phases: &[u32]) -> String {
@@ -47,10 +53,13 @@ impl Writer<'_> {
             let outs = joined(wires.iter().map(|(wire, _)| wire.name.as_str()).collect());
             let places = (depth - 1).ilog2() + 1;
             self.register_bits += places;
+            let kind = usize::from(width >= BLOCK_BITS);
+            self.uses_rings[kind] = true;
             writeln!(
                 text,
-                "  {RING} #(.WIDTH({width}), .DEPTH({depth}), .PLACES({places})) u_ring_{phase}_{depth} (\n    \
-                 .clk(clk), .rst(rst), .enable(take[{phase}]),\n    .in({ins}),\n    .out({outs})\n  );"
+                "  {} #(.WIDTH({width}), .DEPTH({depth}), .PLACES({places})) u_ring_{phase}_{depth} (\n    \
+                 .clk(clk), .rst(rst), .enable(take[{phase}]),\n    .in({ins}),\n    .out({outs})\n  );",
+                RINGS[kind].0
             )?;
         }
         Ok(text)
@@ -106,9 +115,13 @@ impl Writer<'_> {
             let enable = enable(&phases);
             writeln!(always, "  always @(posedge clk)\n    if ({enable}) begin\n{moves}    end")?;
         }
-        self.uses_ring = !waiting.is_empty();
         always += &self.rings(waiting)?;
         Ok(always)
+    }
+
+    /// True if a unit has an operand.
+    fn is_used(&self, kind: usize, unit: u32) -> bool {
+        self.operands.range((kind, unit, 0)..(kind, unit + 1, 0)).next().is_some()
     }
 
     /// Bits of inputs, wires and registers that nobody reads.
@@ -120,8 +133,16 @@ impl Writer<'_> {
             let wire = Wire { name: port.port.clone(), low, high, signed: port.format.signed() };
             parts.extend(unread(&wire, self.body.reads_from(id, 1)));
         }
-        for (wire, reads) in self.results.values() {
-            parts.extend(unread(wire, *reads as u64));
+        for (kind, of_kind) in self.folded.kinds.iter().enumerate() {
+            for unit in 0..self.folded.schedule.units[kind] {
+                for &(place, _) in &of_kind.outputs {
+                    match self.results.get(&(kind, unit, place)) {
+                        Some((wire, reads)) => parts.extend(unread(wire, *reads as u64)),
+                        None if self.is_used(kind, unit) => parts.push(format!("{}_{unit}_out{place}", of_kind.name)),
+                        None => {}
+                    }
+                }
+            }
         }
         let mut ids: Vec<NodeId> = self.body.reads.keys().copied().collect();
         ids.sort_unstable();

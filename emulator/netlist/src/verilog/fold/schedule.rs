@@ -61,6 +61,8 @@ struct Scheduler<'a> {
     taken: Vec<Vec<Vec<bool>>>,
     /// Wires that units already read: kind, unit, place among the reads of a task, wire.
     sources: BTreeSet<(usize, u32, usize, NodeId)>,
+    /// Inputs that units of each kind besides the first one have.
+    narrow: Vec<BTreeSet<usize>>,
 }
 
 impl Scheduler<'_> {
@@ -102,7 +104,7 @@ impl Scheduler<'_> {
             }
             Task::Use(kind, number) => {
                 let of_kind = &self.kinds[kind];
-                let uses: u32 = of_kind.uses.iter().map(|own| self.shape.copies[own.nodes[0] as usize]).sum();
+                let uses: u32 = of_kind.uses.iter().map(|own| self.shape.copies[own.first() as usize]).sum();
                 let choice = self.target.choice(uses.div_ceil(self.schedule.units[kind]));
                 if before + choice > self.depth && before > 0 {
                     cycle += 1;
@@ -119,32 +121,71 @@ impl Scheduler<'_> {
         true
     }
 
-    /// Takes the first slots from a cycle on that are free for each run.
+    /// Takes the first slots from a cycle on that are free for each run, if there are any on units that need no other inputs for it.
     fn slot(&mut self, task: Task, kind: usize, number: usize, from: u32) -> Option<u32> {
         let (interval, copies) = (self.schedule.interval, self.copies(task));
         let apart = stride(interval, copies);
         let phases = |cycle: u32| (0..copies).map(move |run| ((cycle + run * apart) % interval) as usize);
-        let is_free = |cycle: &u32| phases(*cycle).all(|phase| self.taken[kind][phase].iter().any(|&taken| !taken));
-        let cycle = (from..from + interval).find(is_free)?;
-        let reads = &self.tasks.reads[&task];
-        let mut units = Vec::new();
+        let reads: Vec<(usize, NodeId)> = self.kinds[kind].uses[number].reads().collect();
+        let all = 0..self.schedule.units[kind];
+        let fitting: Vec<u32> = all
+            .clone()
+            .filter(|&unit| unit == 0 || reads.iter().all(|(place, _)| self.narrow[kind].contains(place)))
+            .collect();
+        let free = |phase: usize, units: &[u32]| {
+            units.iter().copied().filter(|&unit| !self.taken[kind][phase][unit as usize]).collect::<Vec<u32>>()
+        };
+        let find = |units: &[u32]| {
+            (from..from + interval).find(|&cycle| phases(cycle).all(|phase| !free(phase, units).is_empty()))
+        };
+        let (cycle, units) = match find(&fitting) {
+            Some(cycle) => (cycle, fitting),
+            None => {
+                let all: Vec<u32> = all.collect();
+                (find(&all)?, all)
+            }
+        };
+        let mut bound = Vec::new();
         for phase in phases(cycle) {
-            // A unit that reads these wires already needs no wider choice.
+            // A unit that reads these wires already needs no wider choice; the last unit has the fewest inputs.
             let known = |unit: u32| {
-                let places = reads.iter().enumerate();
-                places.filter(|&(place, id)| self.sources.contains(&(kind, unit, place, *id))).count()
+                reads.iter().filter(|&&(place, id)| self.sources.contains(&(kind, unit, place, id))).count()
             };
-            let free = (0..self.schedule.units[kind]).filter(|&unit| !self.taken[kind][phase][unit as usize]);
-            let unit = free.max_by_key(|&unit| (known(unit), Reverse(unit)))?;
+            let free = units.iter().copied().filter(|&unit| !self.taken[kind][phase][unit as usize]);
+            let unit = free.max_by_key(|&unit| (known(unit), unit))?;
             self.taken[kind][phase][unit as usize] = true;
-            for (place, &id) in reads.iter().enumerate() {
+            for &(place, id) in &reads {
                 self.sources.insert((kind, unit, place, id));
             }
-            units.push(unit);
+            bound.push(unit);
         }
-        self.schedule.bound.insert((kind, number), units);
+        self.schedule.bound.insert((kind, number), bound);
         Some(cycle)
     }
+}
+
+/// Inputs that units of a kind besides the first one have: those of the uses with the fewest, as many as the first unit has no slots for.
+fn narrow_inputs(shape: &Shape, kind: &UnitKind, units: u32, interval: u32) -> BTreeSet<usize> {
+    let mut uses: Vec<(usize, u32, Vec<usize>)> = Vec::new();
+    for own in &kind.uses {
+        let inputs: Vec<usize> = own.reads().map(|(place, _)| place).collect();
+        uses.push((inputs.len(), shape.copies[own.first() as usize], inputs));
+    }
+    uses.sort();
+    let all: u32 = uses.iter().map(|own| own.1).sum();
+    // Half of the slots of the first unit stay free for those that come at a bad time.
+    let (surplus, mut taken) = (all.saturating_sub(interval / 2), 0);
+    let mut narrow = BTreeSet::new();
+    if units > 1 {
+        for (_, copies, inputs) in uses {
+            if taken >= surplus {
+                break;
+            }
+            taken += copies;
+            narrow.extend(inputs);
+        }
+    }
+    narrow
 }
 
 impl Schedule {
@@ -172,26 +213,33 @@ impl Schedule {
         phases
     }
 
-    /// Schedule with an interval; `None` if a use finds no free slot.
+    /// Schedule with an interval; `None` if a use finds no free slot. Units besides multipliers that would be busy in most phases get some to `spare`.
     fn try_interval(
         shape: &Shape,
         kinds: &[UnitKind],
         tasks: &Tasks,
-        [interval, multipliers, depth]: [u32; 3],
+        [interval, multipliers, depth, spare]: [u32; 4],
         target: Target,
     ) -> Option<Self> {
         let units: Vec<u32> = kinds
             .iter()
             .map(|kind| {
-                let uses: u32 = kind.uses.iter().map(|own| shape.copies[own.nodes[0] as usize]).sum();
-                let is_multiplier = matches!(kind.hardware, Hardware::Multiplier(_));
-                if is_multiplier { multipliers } else { uses.div_ceil(interval) }
+                let uses: u32 = kind.uses.iter().map(|own| shape.copies[own.first() as usize]).sum();
+                let least = uses.div_ceil(interval);
+                match kind.hardware {
+                    Hardware::Multiplier(_) => multipliers,
+                    Hardware::Module(_) if 4 * uses > 3 * least * interval => least + spare,
+                    Hardware::Module(_) => least,
+                }
             })
             .collect();
         let taken = units.iter().map(|&units| vec![vec![false; units as usize]; interval as usize]).collect();
         let schedule =
             Self { interval, units, cycles: HashMap::new(), bound: HashMap::new(), made: HashMap::new(), last: 0 };
-        let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, taken, sources: BTreeSet::new() };
+        let narrow = kinds.iter().zip(&schedule.units);
+        let narrow = narrow.map(|(kind, &units)| narrow_inputs(shape, kind, units, interval)).collect();
+        let sources = BTreeSet::new();
+        let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, taken, sources, narrow };
         for port in shape.net.ports.iter().filter(|port| !shape.joins.contains_key(&port.node)) {
             scheduler.schedule.made.insert(port.node, Made { cycle: 0, levels: 0, kept: true });
         }
@@ -208,14 +256,15 @@ impl Schedule {
     ) -> Self {
         let copies = shape.copies.iter().copied().max().unwrap_or(1);
         let products = kinds.iter().filter(|kind| matches!(kind.hardware, Hardware::Multiplier(_)));
-        let products: u32 = products.flat_map(|kind| &kind.uses).map(|own| shape.copies[own.nodes[0] as usize]).sum();
-        let mut interval = products.div_ceil(multipliers).max(copies).max(1);
-        loop {
-            if let Some(schedule) = Self::try_interval(shape, kinds, tasks, [interval, multipliers, depth], target) {
-                return schedule;
-            }
-            interval += 1;
-        }
+        let products: u32 = products.flat_map(|kind| &kind.uses).map(|own| shape.copies[own.first() as usize]).sum();
+        let bound = products.div_ceil(multipliers).max(copies).max(1);
+        // A few cycles more cost less than further units.
+        let few = (bound..=bound + bound / 8).map(|interval| (interval, 0));
+        let more = (bound..).flat_map(|interval| [(interval, 1), (interval, 0)]);
+        let mut all = few.chain(more).filter_map(|(interval, spare)| {
+            Self::try_interval(shape, kinds, tasks, [interval, multipliers, depth, spare], target)
+        });
+        all.next().expect("an interval that has a slot for each use is tried")
     }
 }
 

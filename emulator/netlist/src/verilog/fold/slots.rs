@@ -33,7 +33,7 @@ impl Folded {
             let apart = stride(self.schedule.interval, units.len() as u32);
             for (run, &unit) in (0..).zip(units) {
                 let cycle = self.schedule.cycles[task] + run * apart;
-                let origin = self.shape.net.origin(of_kind.uses[number].nodes[0]);
+                let origin = self.shape.net.origin(of_kind.uses[number].first());
                 let phase = cycle % self.schedule.interval;
                 slots.push(Slot { kind: of_kind.name.clone(), unit, phase, cycle, run, origin });
             }

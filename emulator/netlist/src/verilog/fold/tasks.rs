@@ -97,8 +97,8 @@ impl Tasks {
     fn collect(&mut self, shape: &Shape, kinds: &[UnitKind], body: &Body, target: Target) {
         for (kind, of_kind) in kinds.iter().enumerate() {
             for (number, own) in of_kind.uses.iter().enumerate() {
-                let reads = own.inputs.iter().filter_map(|&input| base(body, input)).collect();
-                let makes = of_kind.outputs.iter().map(|&(place, _)| own.nodes[place]).collect();
+                let reads = own.reads().filter_map(|(_, id)| base(body, id)).collect();
+                let makes = of_kind.outcomes(own).map(|(_, _, id)| id).collect();
                 self.add(Task::Use(kind, number), reads, makes, 0);
             }
         }
@@ -222,9 +222,9 @@ impl Tasks {
                 }
                 Task::Use(kind, number) => {
                     if self.makes[&task].iter().any(|&id| bits_of(body, id).is_some()) {
-                        for &input in &kinds[kind].uses[number].inputs {
-                            let bits = body.all_bits(input);
-                            read(body, Some(task), input, bits, 0);
+                        for (_, id) in kinds[kind].uses[number].reads() {
+                            let bits = body.all_bits(id);
+                            read(body, Some(task), id, bits, 0);
                         }
                     }
                 }

@@ -15,6 +15,7 @@ use super::super::pipeline::{TAKEN, input, outputs, port_lines};
 use super::super::text::{END, header};
 use super::super::value::{View, Wire, constant_bits, view_bits};
 use super::super::wire::Parts;
+use super::compound::Content;
 use super::folded::Folded;
 use super::schedule::stride;
 use super::tasks::{Task, bits_of};
@@ -27,12 +28,12 @@ pub(super) struct Top {
     pub(super) interface: Interface,
     pub(super) register_bits: u32,
     pub(super) parts: Parts,
-    /// True if a value waits in a ring.
-    pub(super) uses_ring: bool,
+    /// Rings in which values wait: of lookup tables, of block memories.
+    pub(super) uses_rings: [bool; 2],
 }
 
 /// Sources of one operand of one unit: text to the phases in which it is read.
-type Sources = BTreeMap<String, BTreeSet<u32>>;
+pub(super) type Sources = BTreeMap<String, BTreeSet<u32>>;
 
 /// Text under way.
 pub(super) struct Writer<'a> {
@@ -42,16 +43,18 @@ pub(super) struct Writer<'a> {
     pub(super) wires: String,
     parts: Parts,
     /// Sources of the operands: kind, unit, place.
-    operands: BTreeMap<(usize, u32, usize), Sources>,
+    pub(super) operands: BTreeMap<(usize, u32, usize), Sources>,
+    /// Operands that are zero for some use.
+    zeros: BTreeSet<(usize, u32, usize)>,
     /// Outcomes of the units, with the bits that somebody reads.
     pub(super) results: BTreeMap<(usize, u32, usize), (Wire, u128)>,
     pub(super) register_bits: u32,
-    pub(super) uses_ring: bool,
+    pub(super) uses_rings: [bool; 2],
 }
 
-/// Choice of a value by the phase: an and-or of the sources.
-fn choice(width: u32, sources: &Sources) -> String {
-    if let [(alone, _)] = &sources.iter().collect::<Vec<_>>()[..] {
+/// Choice of a value by the phase: an and-or of the sources. It is zero in other phases, if that is `needed` or there are several sources.
+fn choice(width: u32, sources: &Sources, needed: bool) -> String {
+    if let ([(alone, _)], false) = (&sources.iter().collect::<Vec<_>>()[..], needed) {
         return (*alone).clone();
     }
     let terms = sources.iter().map(|(text, phases)| {
@@ -104,26 +107,24 @@ impl Writer<'_> {
                     chosen.entry(text).or_default().insert(time % self.interval());
                 }
                 let declared = format!("{}{}", vector(wire.width(), wire.signed), wire.name);
-                writeln!(self.wires, "  wire {declared} =\n    {};", choice(wire.width(), &chosen))?;
+                writeln!(self.wires, "  wire {declared} =\n    {};", choice(wire.width(), &chosen, false))?;
             }
             Task::Use(kind, number) => {
                 let of_kind = &folded.kinds[kind];
                 let own = &of_kind.uses[number];
                 let units = &folded.schedule.bound[&(kind, number)];
                 let apart = stride(self.interval(), units.len() as u32);
-                for place in 0..own.inputs.len() {
-                    let Some((low, high)) = of_kind.operand(place, self.body.range(own.inputs[place])) else {
-                        continue;
-                    };
-                    let text = self.read(own.inputs[place], cycle, low, high);
+                let of_zeros = own.inputs.iter().enumerate().filter(|(_, content)| **content == Content::Constant(0));
+                for (place, _) in of_zeros {
+                    self.zeros.extend(units.iter().map(|&unit| (kind, unit, place)));
+                }
+                for (place, id) in own.reads() {
+                    let Some((low, high)) = of_kind.operand(place, self.body.range(id)) else { continue };
+                    let text = self.read(id, cycle, low, high);
                     for (run, &unit) in (0..).zip(units) {
                         let phase = (cycle + run * apart) % self.interval();
-                        self.operands
-                            .entry((kind, unit, place))
-                            .or_default()
-                            .entry(text.clone())
-                            .or_default()
-                            .insert(phase);
+                        let sources = self.operands.entry((kind, unit, place)).or_default();
+                        sources.entry(text.clone()).or_default().insert(phase);
                     }
                 }
                 self.outcomes(kind, number, units)?;
@@ -139,8 +140,7 @@ impl Writer<'_> {
         let own = &of_kind.uses[number];
         let cycle = folded.schedule.cycles[&Task::Use(kind, number)] + of_kind.latency();
         let apart = stride(self.interval(), units.len() as u32);
-        for &(place, range) in &of_kind.outputs {
-            let id = own.nodes[place];
+        for (place, range, id) in of_kind.outcomes(own) {
             if bits_of(&self.body, id).is_none() {
                 continue;
             }
@@ -150,7 +150,7 @@ impl Writer<'_> {
                 let name = format!("{}_{unit}_out{place}", of_kind.name);
                 let unit_wire = match of_kind.hardware {
                     Hardware::Multiplier([a, b]) => {
-                        let zeros: u32 = own.inputs.iter().map(|&input| self.body.range(input).zeros.min(62)).sum();
+                        let zeros: u32 = own.reads().map(|(_, id)| self.body.range(id).zeros.min(62)).sum();
                         Wire { name, low: zeros, high: zeros + a + b, signed: true }
                     }
                     Hardware::Module(_) => Wire { name, low: range.zeros, high: range.top(), signed: range.signed() },
@@ -165,11 +165,11 @@ impl Writer<'_> {
                 sources.entry(text).or_default().insert((cycle + run * apart) % self.interval());
             }
             let declared = format!("{}{}", vector(wire.width(), wire.signed), wire.name);
-            let name = folded.shape.net.origin(own.nodes[0]);
+            let name = folded.shape.net.origin(own.first());
             writeln!(
                 self.wires,
                 "  wire {declared} =\n    {}; // {name}, cycle {cycle}",
-                choice(wire.width(), &sources)
+                choice(wire.width(), &sources, false)
             )?;
         }
         Ok(())
@@ -187,9 +187,15 @@ impl Writer<'_> {
                 let mut used = false;
                 for place in 0..of_kind.uses[0].inputs.len() {
                     let Some((width, signed)) = of_kind.port(place) else { continue };
-                    let Some(sources) = self.operands.get(&(kind, unit, place)) else { continue };
+                    let Some(sources) = self.operands.get(&(kind, unit, place)) else {
+                        if let Hardware::Module(module) = &of_kind.hardware {
+                            let port = module.inputs.iter().find(|port| port.place == place);
+                            connections.extend(port.map(|port| format!(".{}({width}'d0)", port.name)));
+                        }
+                        continue;
+                    };
                     used = true;
-                    let value = choice(width, sources);
+                    let value = choice(width, sources, self.zeros.contains(&(kind, unit, place)));
                     match &of_kind.hardware {
                         Hardware::Multiplier(_) => {
                             let port = ["a", "b"][place];
@@ -273,6 +279,28 @@ impl UnitKind {
     }
 }
 
+/// Text of the next phase, and of what moves in a cycle. What moves is decided a cycle before, so that no other port's signal is on its way; a design
+/// that takes an input each cycle has no cycle before.
+fn control(interval: u32, end: u32) -> String {
+    if interval == 1 {
+        return "  wire advance = out_ready | ~full;
+  wire [INTERVAL-1:0] take = phase & advance;
+  wire [INTERVAL-1:0] next = phase;"
+            .into();
+    }
+    format!(
+        "  reg  advance;
+  // Phases in which registers take values.
+  reg  [INTERVAL-1:0] take;
+  wire [INTERVAL-1:0] next = advance ? {{phase[INTERVAL-2:0], phase[INTERVAL-1]}} : phase;
+  wire advances = ~rst & ~(next[{end}] & is_full);
+  always @(posedge clk) begin
+    advance <= advances;
+    take <= next & {{INTERVAL{{advances}}}};
+  end"
+    )
+}
+
 /// Writes the folded top. `flat` is the context of the design as it is not folded, which gives the ports.
 pub(super) fn top(
     folded: &Folded,
@@ -282,7 +310,7 @@ pub(super) fn top(
     description: &str,
 ) -> Result<Top, VerilogError> {
     let mut names = Names::default();
-    for taken in TAKEN.into_iter().chain(["phase", "take", "INTERVAL"]) {
+    for taken in TAKEN.into_iter().chain(["phase", "next", "take", "full", "INTERVAL"]) {
         names.take(taken);
     }
     let is_read = flat.net.ports_read();
@@ -310,9 +338,10 @@ pub(super) fn top(
         wires: String::new(),
         parts: Parts::default(),
         operands: BTreeMap::new(),
+        zeros: BTreeSet::new(),
         results: BTreeMap::new(),
         register_bits: 0,
-        uses_ring: false,
+        uses_rings: [false; 2],
     };
     let mut stage = None;
     for &task in &folded.tasks.all {
@@ -327,7 +356,7 @@ pub(super) fn top(
     let interval = folded.schedule.interval;
     let last = folded.schedule.last;
     writer.body.registers.clear();
-    let mut ends = String::new();
+    let (mut held, mut moves, mut ends) = (String::new(), String::new(), String::new());
     for port in &outputs {
         let id = folded.shape.net.outputs[port.place].node;
         let (low, high) = (port.format.zeros, port.format.zeros + port.format.width());
@@ -335,18 +364,23 @@ pub(super) fn top(
             Some(value) => constant_bits(value, low, high).code,
             None => writer.read(id, last, low, high),
         };
-        writeln!(ends, "  assign {} = {text};", port.port)?;
+        let register = names.take(&format!("{}_held", port.port));
+        writeln!(held, "  reg {}{register};", vector(port.format.width(), port.format.signed()))?;
+        writeln!(moves, "      {register} <= {text};")?;
+        writeln!(ends, "  assign {} = {register};", port.port)?;
+        writer.register_bits += port.format.width();
     }
+    let end = last % interval;
     let always = writer.registers(&inputs)?;
     let (declared, units) = writer.units()?;
-    let latency = last + 1;
+    let latency = folded.latency();
     let stages = last / interval + 1;
     let about = vec![
         format!("{description}."),
         flat.origin.to_owned(),
         String::new(),
-        format!("Folded: one input every {interval} cycles, latency {latency} cycles. While out_valid is high and out_ready low"),
-        "nothing moves.".into(),
+        format!("Folded: one input every {interval} cycles, latency {latency} cycles. An outcome is held until it is taken; if it is still"),
+        "there when the next one comes, nothing moves.".into(),
         String::new(),
         "A port is named PATH_FORMAT. Formats: iMfN signed, uMfN unsigned, M integer bits (a sign is one of them) and N".into(),
         "fraction bits, n for a minus sign: value = integer / 2^N. Comments give the integers a wire can hold.".into(),
@@ -369,23 +403,26 @@ pub(super) fn top(
   // One bit a phase; fragments begin in the first one.
   reg  [INTERVAL-1:0] phase;
   reg  [STAGES-1:0] valid;
-  assign out_valid = phase[{}] & valid[STAGES-1];
-  wire advance = out_ready | ~out_valid;
-  wire [INTERVAL-1:0] take = phase & {{INTERVAL{{advance}}}};
+  // An outcome waits.
+  reg  full;
+  assign out_valid = full;
   assign in_ready = take[INTERVAL-1];
   wire taken = in_valid;
+  wire is_full = (full & ~out_ready) | (take[{end}] & valid[STAGES-1]);
+{}
   always @(posedge clk)
     if (rst) begin
       phase <= {};
       valid <= {{STAGES{{1'b0}}}};
-    end else if (advance) begin
-      phase <= {};
-      if (phase[INTERVAL-1]) valid <= {valid};
+      full <= 1'b0;
+    end else begin
+      phase <= next;
+      full <= is_full;
+      if (take[INTERVAL-1]) valid <= {valid};
     end
 ",
-        last % interval,
+        control(interval, end),
         if interval == 1 { "1'b1" } else { "{{(INTERVAL-1){1'b0}}, 1'b1}" },
-        if interval == 1 { "phase" } else { "{phase[INTERVAL-2:0], phase[INTERVAL-1]}" },
     )?;
     text += &declared;
     text += &writer.wires;
@@ -394,14 +431,14 @@ pub(super) fn top(
     writeln!(text, "\n  // ---- units ----")?;
     text += &units;
     writeln!(text, "\n  // ---- outputs ----")?;
-    text += &ends;
+    writeln!(text, "{held}  always @(posedge clk)\n    if (take[{end}]) begin\n{moves}    end\n{ends}")?;
     let unused = writer.unused(&inputs);
     if !unused.is_empty() {
         writeln!(text, "\n  // Bits nobody reads.")?;
         text += &sink("unused", &unused);
     }
     text += END;
-    let register_bits = writer.register_bits + interval + stages;
+    let register_bits = writer.register_bits + 2 * interval + stages + 2;
     let interface = Interface { module: name.to_owned(), latency, inputs, outputs };
-    Ok(Top { text, interface, register_bits, parts: writer.parts, uses_ring: writer.uses_ring })
+    Ok(Top { text, interface, register_bits, parts: writer.parts, uses_rings: writer.uses_rings })
 }

@@ -9,22 +9,15 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::super::context::Context;
 use super::super::error::VerilogError;
-use super::super::excerpt::Excerpt;
+use super::super::excerpt::port;
 use super::super::module::Module;
-use super::super::share::{Group, Local, Run as GroupRun};
+use super::super::share::{Group, Operand, Run as GroupRun};
+use super::compound::{Compound, Content, Use, compounds, joined};
+use super::grow::grown;
 use super::shape::{Join, Shape};
-use crate::graph::{Node, NodeId, Op};
+use crate::graph::{Kind, Net, Node, NodeId, Op, Run, Tap};
 use crate::interval::{Range, Ranges};
 use crate::unit::Unit;
-
-/// One use of a unit.
-#[derive(Clone, Debug)]
-pub(super) struct Use {
-    /// Its operations, in order.
-    pub(super) nodes: Vec<NodeId>,
-    /// Wires that it reads, in the order of their first use.
-    pub(super) inputs: Vec<NodeId>,
-}
 
 /// Hardware of a kind of unit.
 #[derive(Clone, Debug)]
@@ -49,6 +42,12 @@ pub(super) struct UnitKind {
 }
 
 impl UnitKind {
+    /// Outcomes of a use that others may read: place in the unit, range there, node.
+    pub(super) fn outcomes(&self, own: &Use) -> impl Iterator<Item = (usize, Range, NodeId)> {
+        let all = self.outputs.iter().filter_map(|&(place, range)| Some((place, range, own.nodes[place].node()?)));
+        all.filter(|&(place, _, id)| own.place(id) == Some(place))
+    }
+
     /// Cycles from the choice of the operands to the outcome.
     pub(super) fn latency(&self) -> u32 {
         match &self.hardware {
@@ -63,7 +62,7 @@ fn hull(a: Range, b: Range) -> Range {
 }
 
 /// Bits of a range in two's complement, with its constant low zeros.
-fn signed_width(range: Range) -> u32 {
+pub(super) fn signed_width(range: Range) -> u32 {
     range.width() + u32::from(!range.signed())
 }
 
@@ -120,62 +119,57 @@ fn is_product(shape: &Shape, id: NodeId) -> bool {
     matches!(shape.net.node(id).op.unit(&shape.ranges, id), Unit::Multiplier(_))
 }
 
-/// Uses of each kind, grouped by their operations.
-fn grouped(shape: &Shape, candidates: Vec<Vec<NodeId>>) -> Vec<(Local, Vec<Use>)> {
-    let mut kinds: Vec<(Local, Vec<Use>)> = Vec::new();
-    for nodes in candidates {
-        let (local, inputs) = Local::new(&shape.net, &nodes);
-        let own = Use { nodes, inputs };
-        match kinds.iter_mut().find(|(known, _)| *known == local) {
-            Some((_, uses)) => uses.push(own),
-            None => kinds.push((local, vec![own])),
-        }
-    }
-    kinds
-}
-
 /// Every kind of shared unit of a folded netlist; the first is the multiplier. The context has depth, target and names.
 pub(super) fn kinds(shape: &Shape, context: Context) -> Result<Vec<UnitKind>, VerilogError> {
     let net = &shape.net;
-    let copies = |uses: &[Use]| uses.iter().map(|own| shape.copies[own.nodes[0] as usize]).sum::<u32>();
-    let mut all: Vec<(Local, Vec<Use>)> =
-        grouped(shape, candidates(shape)).into_iter().filter(|(_, uses)| copies(uses) > 1).collect();
-    let taken: BTreeSet<NodeId> = all.iter().flat_map(|(_, uses)| uses).flat_map(|own| own.nodes.clone()).collect();
-    let is_table = |uses: &[Use]| matches!(net.node(uses[0].nodes[0]).op, Op::Lookup(..));
-    let singles = grouped(shape, singles(shape, &taken));
-    all.extend(singles.into_iter().filter(|(_, uses)| copies(uses) > 1 || is_table(uses)));
+    let copies = |uses: &[Use]| uses.iter().map(|own| shape.copies[own.first() as usize]).sum::<u32>();
+    let mut all = joined(compounds(net, candidates(shape)));
+    all.retain(|compound| copies(&compound.uses) > 1);
+    let taken: BTreeSet<NodeId> = all.iter().flat_map(|compound| &compound.uses).flat_map(Use::operations).collect();
+    let is_table = |uses: &[Use]| matches!(net.node(uses[0].first()).op, Op::Lookup(..));
+    let singles = compounds(net, singles(shape, &taken));
+    all.extend(singles.into_iter().filter(|single| copies(&single.uses) > 1 || is_table(&single.uses)));
+    let named: Vec<&str> = all.iter().map(|compound| base_name(net, compound)).collect();
+    let all = grown(shape, all);
+    let taken: BTreeSet<NodeId> = all.iter().flat_map(|compound| &compound.uses).flat_map(Use::operations).collect();
 
     let mut found = Vec::new();
     let products = (0..net.nodes.len() as NodeId).filter(|&id| is_product(shape, id) && !taken.contains(&id));
     let products: Vec<Use> =
-        products.map(|id| Use { nodes: vec![id], inputs: net.node(id).op.operands().collect() }).collect();
+        products.map(|id| Use::new(&[id], &net.node(id).op.operands().collect::<Vec<_>>())).collect();
     if !products.is_empty() {
         found.push(multiplier(shape, products, context.prefix));
     }
     let mut names: HashMap<&'static str, u32> = HashMap::new();
-    for (_, uses) in all {
-        let base = match net.node(uses[0].nodes[0]).op {
-            Op::Lookup(..) => "table",
-            Op::SarBy(..) if uses[0].nodes.len() > 1 => "rounding_shifter",
-            Op::SarBy(..) => "right_shifter",
-            Op::ShlBy(..) => "left_shifter",
-            _ => "normaliser",
-        };
+    for (compound, base) in all.into_iter().zip(named) {
         let number = names.entry(base).or_default();
         let name = format!("{base}_{number}");
         *number += 1;
-        found.push(module_kind(shape, &name, uses, context)?);
+        found.push(module_kind(shape, &name, compound, context)?);
     }
     Ok(found)
+}
+
+/// Name of a kind of unit, after the operations that it began with.
+fn base_name(net: &Net, compound: &Compound) -> &'static str {
+    let nodes = compound.uses[0].operations();
+    match net.node(compound.uses[0].first()).op {
+        Op::Lookup(..) => "table",
+        Op::SarBy(..) if nodes.len() > 1 => "rounding_shifter",
+        Op::SarBy(..) => "right_shifter",
+        Op::ShlBy(..) => "left_shifter",
+        _ => "normaliser",
+    }
 }
 
 fn multiplier(shape: &Shape, mut uses: Vec<Use>, prefix: &str) -> UnitKind {
     let mut widths = [0, 0];
     for own in &mut uses {
         // The wider operand is the first one.
-        own.inputs.sort_by_key(|&id| std::cmp::Reverse(signed_width(shape.ranges.of(id))));
-        for (width, &input) in widths.iter_mut().zip(&own.inputs) {
-            *width = signed_width(shape.ranges.of(input)).max(*width);
+        let own_width = |content: &Content| content.node().map_or(0, |id| signed_width(shape.ranges.of(id)));
+        own.inputs.sort_by_key(|content| std::cmp::Reverse(own_width(content)));
+        for (width, input) in widths.iter_mut().zip(&own.inputs) {
+            *width = own_width(input).max(*width);
         }
     }
     UnitKind {
@@ -186,55 +180,87 @@ fn multiplier(shape: &Shape, mut uses: Vec<Use>, prefix: &str) -> UnitKind {
     }
 }
 
-/// Kind whose hardware is a module of its operations.
-fn module_kind(shape: &Shape, name: &str, uses: Vec<Use>, context: Context) -> Result<UnitKind, VerilogError> {
+/// Range of some contents; `None` if they are all nothing.
+fn contents_range<'a>(shape: &Shape, contents: impl Iterator<Item = &'a Content>) -> Option<Range> {
+    let ranges = contents.filter_map(|&content| match content {
+        Content::Node(id) | Content::Copy(id) => Some(shape.ranges.of(id)),
+        Content::Constant(value) => Some(Range::of(value)),
+        Content::Nothing => None,
+    });
+    ranges.reduce(hull)
+}
+
+/// Places of a compound whose outcome others read, in some use.
+fn read_outside(shape: &Shape, compound: &Compound) -> BTreeSet<usize> {
     let net = &shape.net;
-    let mut read_outside = vec![false; uses[0].nodes.len()];
-    for own in &uses {
-        let inside: BTreeSet<NodeId> = own.nodes.iter().copied().collect();
+    let joined = shape.joins.values().flat_map(|join| match join {
+        Join::Input(sources) => sources.clone(),
+        Join::Outcome { of, .. } => vec![*of],
+    });
+    let always: BTreeSet<NodeId> = joined.chain(net.outputs.iter().map(|output| output.node)).collect();
+    let mut places = BTreeSet::new();
+    for own in &compound.uses {
+        let inside = own.operations();
         let others = net.iter().filter(|(id, _)| !inside.contains(id)).flat_map(|(_, node)| node.op.operands());
-        let joined = shape.joins.values().flat_map(|join| match join {
-            Join::Input(sources) => sources.clone(),
-            Join::Outcome { of, .. } => vec![*of],
-        });
-        let outputs = net.outputs.iter().map(|output| output.node);
-        let read: BTreeSet<NodeId> = others.chain(joined).chain(outputs).collect();
-        for (flag, id) in read_outside.iter_mut().zip(&own.nodes) {
-            *flag |= read.contains(id);
-        }
+        let read: BTreeSet<NodeId> = others.filter(|id| inside.contains(id)).collect();
+        let leaves = inside.iter().filter(|id| read.contains(id) || always.contains(id));
+        places.extend(leaves.filter_map(|&id| own.place(id)));
     }
-    let all_uses = |node: fn(&Use) -> &[NodeId], place: usize| {
-        let ranges = uses.iter().map(|own| shape.ranges.of(node(own)[place]));
-        ranges.reduce(hull).unwrap_or(Range::of(0))
+    places
+}
+
+/// Kind whose hardware is a module of its operations. They become a netlist whose wires hold the values of all uses.
+fn module_kind(shape: &Shape, name: &str, compound: Compound, context: Context) -> Result<UnitKind, VerilogError> {
+    let Compound { ref local, ref uses } = compound;
+    let leaving = read_outside(shape, &compound);
+    let model = shape.net.node(uses[0].first());
+    let mut unit = Net { runs: vec![Run { name: "unit", run: 0, repeated: false }], ..Net::default() };
+    let mut ranges = Ranges { ranges: Vec::new(), violations: Vec::new() };
+    let mut add = |unit: &mut Net, op: Op, kind: Kind, like: &Node, range: Range| -> NodeId {
+        let stage = (!matches!(op, Op::Port(_) | Op::Lit(_))).then_some(0);
+        unit.nodes.push(Node { op, kind, stage, part: None, at: like.at });
+        ranges.ranges.push(range);
+        unit.nodes.len() as NodeId - 1
     };
-    // The operations as a netlist of their own, whose wires hold the values of all uses.
-    let first = &uses[0];
-    let mut excerpt = Excerpt::new(net, "unit");
-    let mut range_of: HashMap<NodeId, Range> = HashMap::new();
-    for (place, &id) in first.inputs.iter().enumerate() {
-        let range = all_uses(|own| &own.inputs, place);
-        excerpt.add_port(id, format!("in{place}"), 0, range);
-        range_of.insert(id, range);
+    let mut inputs = Vec::new();
+    for (input, &kind) in local.inputs.iter().enumerate() {
+        let range = contents_range(shape, uses.iter().map(|own| &own.inputs[input])).unwrap_or(Range::of(0));
+        let id = add(&mut unit, Op::Port(input as u32), kind, model, range);
+        let node = *unit.node(id);
+        unit.ports.push(port(format!("in{input}"), id, &node, 0, range));
+        inputs.push(id);
     }
-    for (place, &id) in first.nodes.iter().enumerate() {
-        excerpt.add_operation(id);
-        range_of.insert(id, all_uses(|own| &own.nodes, place));
-        if read_outside[place] {
-            let tap = excerpt.tap(id, Some(0), format!("out{place}"), 0);
-            excerpt.net.taps.push(tap);
+    let mut nodes: Vec<NodeId> = Vec::new();
+    for (place, operation) in local.operations.iter().enumerate() {
+        let contents = || uses.iter().map(|own| &own.nodes[place]);
+        let like = contents().find_map(|content| content.node()).map_or(model, |id| shape.net.node(id));
+        let mut operands = Vec::new();
+        for operand in &operation.operands {
+            operands.push(match *operand {
+                Operand::Place(place) => nodes[place],
+                Operand::Input(input) => inputs[input],
+                Operand::Constant(value) => add(&mut unit, Op::Lit(value), operation.kind, like, Range::of(value)),
+            });
+        }
+        let mut operands = operands.into_iter();
+        let op = operation.op.map(|_| operands.next().unwrap_or_default());
+        let range = contents_range(shape, contents()).unwrap_or(Range::of(0));
+        let id = add(&mut unit, op, operation.kind, like, range);
+        nodes.push(id);
+        if leaving.contains(&place) {
+            let name = format!("out{place}");
+            unit.taps.push(Tap { stage: Some(0), name, path: Vec::new(), mantissa: false, fraction_bits: 0, node: id });
         }
     }
-    let Excerpt { net: unit, places, .. } = excerpt;
-    let constant = |node: &Node| if let Op::Lit(value) = node.op { Range::of(value) } else { Range::of(0) };
-    let mut ranges = Ranges { ranges: unit.nodes.iter().map(constant).collect(), violations: Vec::new() };
-    for (id, range) in range_of {
-        ranges.ranges[places[&id] as usize] = range;
-    }
-    let nodes = first.nodes.iter().map(|id| places[id]).collect();
-    let run = GroupRun { stage: 0, nodes, inputs: unit.ports.iter().map(|port| port.node).collect() };
+    let run = GroupRun { stage: 0, nodes, inputs };
     let group = Group { name: name.to_owned(), runs: vec![run] };
     let context = Context { net: &unit, ranges: &ranges, ..context };
     let module = Module::new(context, &group, |_| true)?;
     let outputs = module.outputs.iter().map(|port| (port.place, port.format.range)).collect();
-    Ok(UnitKind { name: module.name.clone(), uses, hardware: Hardware::Module(Box::new(module)), outputs })
+    Ok(UnitKind {
+        name: module.name.clone(),
+        uses: compound.uses,
+        hardware: Hardware::Module(Box::new(module)),
+        outputs,
+    })
 }
