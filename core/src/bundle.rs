@@ -26,6 +26,22 @@ pub struct Field {
     pub keeps: Keeps,
     /// A letter for each of its components; empty if numbers or x, y, z serve.
     pub components: &'static str,
+    /// How often the value of an input changes.
+    pub per: Per,
+}
+
+/// How often the value of an input changes. A field inside a field with [`Per::Object`] changes as rarely.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Per {
+    /// With each fragment, sample or channel.
+    Fragment,
+    /// At most with the object: a constant of its maps or its material, which hardware may keep in a register.
+    Object,
+}
+
+/// True if the value at the end of a path is a constant of the object ([`Per::Object`]).
+pub fn is_constant(path: &[Step]) -> bool {
+    path.iter().any(|step| matches!(step, Step::Field(field) if field.per == Per::Object))
 }
 
 /// Number of fraction bits that a profile keeps of a wire.
@@ -235,6 +251,7 @@ impl<W: Word, const INT: u32> Bundle<W> for Value<W, INT> {
 /// - `#[stage = "…"]`: stage that makes the field, or `#[out = "…"]` if it also leaves the datapath;
 /// - `#[keeps(Lod)]`: kept fraction bits ([`Keeps`]);
 /// - `#[components = "…"]`: a letter for each component;
+/// - `#[per(Object)]`: the value is a constant of the object ([`Per`]);
 /// - `#[range(low..=high)]` or `#[range(low..high)]`: range of the wires, in units of 1;
 /// - `#[port = T]`: type at a scalar port.
 ///
@@ -257,12 +274,14 @@ macro_rules! bundle {
         $(#[out = $out:literal])?
         $(#[keeps($keeps:ident)])?
         $(#[components = $components:literal])?
+        $(#[per($per:ident)])?
         $(#[range($($range:tt)*)])?
         $(#[port = $port:ty])?
         $field:ident: $($rest:tt)*
     ) => {
         $crate::bundle!(@type $head [$($done)*]
-            { [$($text)*] [$($unit)?] [$($stage)?] [$($out)?] [$($keeps)?] [$($components)?] [$($($range)*)?] [$($port)?] $field } $($rest)*);
+            { [$($text)*] [$($unit)?] [$($stage)?] [$($out)?] [$($keeps)?] [$($components)?] [$($per)?] [$($($range)*)?]
+                [$($port)?] $field } $($rest)*);
     };
 
     // Tells kinds of wires apart.
@@ -300,8 +319,8 @@ macro_rules! bundle {
 
     // All fields are known.
     (@field { [$($doc:literal)*] $ports:tt $name:ident [$($size:ident)?] } [$({
-        { [$($text:literal)*] [$($unit:literal)?] [$($stage:literal)?] [$($out:literal)?] [$($keeps:ident)?] [$($components:literal)?] $range:tt
-            [$($port:ty)?] $field:ident }
+        { [$($text:literal)*] [$($unit:literal)?] [$($stage:literal)?] [$($out:literal)?] [$($keeps:ident)?] [$($components:literal)?] [$($per:ident)?]
+            $range:tt [$($port:ty)?] $field:ident }
         $kind:ident $form:tt ($($ty:tt)*)
     })*]) => {
         $(#[doc = $doc])*
@@ -325,6 +344,7 @@ macro_rules! bundle {
                             leaves: $crate::bundle!(@leaves $($out)?),
                             keeps: $crate::bundle!(@keeps $($keeps)?),
                             components: concat!($($components)?),
+                            per: $crate::bundle!(@per $($per)?),
                         };
                         with.enter($crate::bundle::Step::Field(&FIELD));
                         let other = $crate::bundle!(@walk $kind $form self.$field, with);
@@ -345,6 +365,8 @@ macro_rules! bundle {
     (@leaves $out:literal) => { true };
     (@keeps) => { $crate::bundle::Keeps::Fraction };
     (@keeps $keeps:ident) => { $crate::bundle::Keeps::$keeps };
+    (@per) => { $crate::bundle::Per::Fragment };
+    (@per $per:ident) => { $crate::bundle::Per::$per };
 
     (@words bundle [$ty:ty]) => { <$ty as $crate::bundle::Bundle<W>>::WORDS };
     (@words wide [$int:tt ($($n:tt)*)]) => { 2 $(* $n)* };

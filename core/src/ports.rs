@@ -210,6 +210,7 @@ bundle! {
         dnormal: [PortBlock<W, 3>; 2],
         /// edge of a face of the environment at level 0; 0 reads as 1, more than 16384 as 16384
         #[unit = "texels"]
+        #[per(Object)]
         #[range(0..=65535)]
         #[port = u16]
         edge_texels: Int<W>,

@@ -190,6 +190,7 @@ impl Model {
             target: Target::Asic,
             multipliers: None,
             stream: None,
+            clock: None,
             prefix: String::new(),
         };
         let verilog = record::verilog(Self::DESIGN, &options).expect("the datapath is generated");

@@ -2,7 +2,7 @@
 //
 // bench.vh in the include path names the module and its sizes; inputs.hex and expected.hex are in the working
 // directory. Prints PASS, or the first wire that differs and FAIL. With +stalls both sides of the handshake pause
-// at random.
+// at random. With EXIT_CODE defined, Icarus ends with 1 after FAIL.
 //
 //   iverilog -g2005 -I DIR -y DIR -s bench -o bench.vvp bench.v && (cd DIR && vvp -N ../bench.vvp +stalls)
 
@@ -48,7 +48,11 @@ module bench;
     begin
       if (passed) $display("PASS %0d vectors", checked);
       else $display("FAIL");
+`ifdef EXIT_CODE
+      $finish_and_return(!passed);
+`else
       $finish;
+`endif
     end
   endtask
 

@@ -24,8 +24,10 @@ bundle! {
         /// d(u, v)/dx and d(u, v)/dy, repeats per pixel.
         duv: [PortBlock<W, 2>; 2],
         /// Constants of the map.
+        #[per(Object)]
         texture: TextureScale<W>,
         /// Scale of the level of detail.
+        #[per(Object)]
         map: MapScale<W>,
     }
 
@@ -48,6 +50,7 @@ bundle! {
         /// Its probes.
         probes: Probes<W>,
         /// Constants of the map.
+        #[per(Object)]
         texture: TextureScale<W>,
     }
 
@@ -56,6 +59,7 @@ bundle! {
         /// The fragment; the edge of its environment is not read.
         fragment: ReflectionInput<W>,
         /// Scale of the environment.
+        #[per(Object)]
         map: MapScale<W>,
     }
 
@@ -78,6 +82,7 @@ bundle! {
         #[range(0..=15)]
         index: Int<W>,
         /// The last (coarsest) level of the environment.
+        #[per(Object)]
         #[range(0..=14)]
         last_level: Int<W>,
     }
@@ -92,6 +97,7 @@ bundle! {
         #[range(0..=15)]
         index: Int<W>,
         /// Constants of the map.
+        #[per(Object)]
         texture: TextureScale<W>,
     }
 
@@ -131,6 +137,7 @@ bundle! {
         #[range(0..=14)]
         lod: Control<W, LOD>,
         /// The footprint is a rough surface's.
+        #[per(Object)]
         rough: W::Flag,
     }
 
@@ -195,6 +202,7 @@ bundle! {
         /// The texel.
         codes: BumpCodes<W>,
         /// Scales of the map.
+        #[per(Object)]
         scale: BumpScale<W>,
     }
 
@@ -221,6 +229,7 @@ bundle! {
         /// Mean of the footprint.
         mean: BumpMoments<W>,
         /// Scales of the map.
+        #[per(Object)]
         scale: BumpScale<W>,
     }
 
@@ -230,6 +239,7 @@ bundle! {
         #[range(0..=16777215)]
         sample: Int<W>,
         /// log₂ of the unit of the map's channels.
+        #[per(Object)]
         #[range(0..=6)]
         exponent: Int<W>,
     }
@@ -276,6 +286,7 @@ bundle! {
         #[range(0..=2147483647)]
         mean: Int<W>,
         /// log₂ of the unit of the map's channels.
+        #[per(Object)]
         #[range(7..=20)]
         exponent: Int<W>,
         /// Reflectance, [0, 1].

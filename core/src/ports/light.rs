@@ -95,6 +95,7 @@ bundle! {
         #[port = BlockVector]
         light: PortBlock<W, 3>,
         /// exponent m
+        #[per(Object)]
         #[port = Shininess]
         shininess: ShininessPort<W>,
     }

@@ -12,6 +12,7 @@ use roughxel_record as record;
 use roughxel_study::plan::fetches;
 use roughxel_study::profile_file::NamedPrecision;
 use roughxel_utilities::output::write_files;
+use roughxel_vectors::shell_bench;
 use serde_json::json;
 
 use super::console::{complain, progress};
@@ -53,9 +54,13 @@ pub(super) struct VerilogArgs {
     /// option it has one for each product and takes a fragment each cycle.
     #[arg(long, value_name = "COUNT", conflicts_with = "stage", value_parser = clap::value_parser!(u32).range(1..=1024))]
     multipliers: Option<u32>,
-    /// Write an AXI4-Stream shell around the outermost module too, with words of this many bits: MODULE_axis.v.
+    /// Write a shell too: MODULE_shell.v has two AXI4-Streams with words of this many bits, and AXI4-Lite registers for the constants of an
+    /// object. Project files for LiteX, FuseSoC, IP-XACT and constraints, a register map and a testbench stand beside it.
     #[arg(long, value_name = "BITS", conflicts_with = "stage", value_parser = clap::value_parser!(u32).range(i64::from(*STREAM_BITS.start())..=i64::from(*STREAM_BITS.end())))]
     stream: Option<u32>,
+    /// Clock in the constraints of the shell, MHz. Without this option it follows from the levels of logic between registers.
+    #[arg(long, value_name = "MHZ", requires = "stream", value_parser = parse_clock)]
+    clock: Option<f64>,
     /// Prefix of module names, so that a project can hold two designs.
     #[arg(long, default_value = "", value_parser = parse_prefix, value_name = "TEXT")]
     prefix: String,
@@ -68,6 +73,12 @@ pub(super) struct VerilogArgs {
 pub(super) fn parse_target(name: &str) -> Result<Target, String> {
     let known = Target::ALL.map(Target::name).join(", ");
     Target::by_name(name).ok_or_else(|| format!("targets are {known}"))
+}
+
+/// Parses the clock of constraints.
+fn parse_clock(text: &str) -> Result<f64, String> {
+    let clock = text.parse().map_err(|_| "a clock is a number of MHz".to_owned())?;
+    if (0.001..=10_000.0).contains(&clock) { Ok(clock) } else { Err("a clock is 0.001 to 10000 MHz".into()) }
 }
 
 /// Parses a prefix of Verilog names.
@@ -141,20 +152,32 @@ fn write(
     effects: Effects,
     directory: &Path,
 ) -> Result<(PathBuf, Verilog), Failure> {
-    let (depth, multipliers, stage, prefix) = (args.depth, args.multipliers, args.stage.clone(), args.prefix.clone());
-    let options =
-        Options { depth, multipliers, stage, prefix, ..Options::new(&profile.name, profile.precision, effects) };
+    let options = Options {
+        profile: profile.name.clone(),
+        precision: profile.precision,
+        effects,
+        depth: args.depth,
+        target: args.target,
+        multipliers: args.multipliers,
+        stream: args.stream,
+        clock: args.clock,
+        stage: args.stage.clone(),
+        prefix: args.prefix.clone(),
+    };
     let verilog = match record::verilog(design, &options) {
         Err(VerilogError::Unproven(violations)) => return Err(unproven(&violations)),
         Err(error @ VerilogError::UnknownStage { .. }) => return Err(Failure::Usage(error.to_string())),
         other => other?,
     };
-    write_files(directory, verilog.in_order())?;
+    let bench = shell_bench(design, &options, &verilog)?;
+    let sources = verilog.in_order().map(|(name, text)| (name.to_owned(), text.as_bytes()));
+    let bench = bench.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice()));
+    write_files(directory, bench.chain(sources))?;
     Ok((directory.to_path_buf(), verilog))
 }
 
 fn summary(directory: &Path, verilog: &Verilog) -> serde_json::Value {
     let names: Vec<_> = verilog.files.keys().collect();
-    let (top, stepper) = (&verilog.top, &verilog.stepper);
-    json!({ "directory": directory.display().to_string(), "files": names, "top": top, "stepper": stepper })
+    let Verilog { top, stepper, shell, .. } = verilog;
+    json!({ "directory": directory.display().to_string(), "files": names, "top": top, "stepper": stepper, "shell": shell })
 }

@@ -7,7 +7,13 @@ use std::fmt::Write as _;
 
 use thiserror::Error;
 
-use super::verilog::{Interface, PortDescription};
+use super::verilog::{Interface, PortDescription, places, total_bits};
+
+/// The testbench for event simulators, which reads the files of a [`Bench`].
+pub const BENCH: (&str, &str) = ("bench.v", include_str!("../../../vectors/hdl/bench.v"));
+
+/// The test for cocotb, which reads them too and drives the shell by its buses.
+pub const SHELL_TEST: (&str, &str) = ("test_shell.py", include_str!("../../../vectors/templates/shell/test_shell.py"));
 
 /// Vectors for a pipelined module.
 #[derive(Clone, Debug)]
@@ -38,20 +44,6 @@ pub enum BenchError {
         /// Name of the port.
         port: String,
     },
-}
-
-/// Bits of all ports together.
-fn total_bits(ports: &[PortDescription]) -> u32 {
-    ports.iter().map(|port| port.width).sum()
-}
-
-/// Ports with the place of their lowest bit, most significant first.
-fn places(ports: &[PortDescription]) -> impl Iterator<Item = (&PortDescription, u32)> {
-    let mut above = total_bits(ports);
-    ports.iter().map(move |port| {
-        above -= port.width;
-        (port, above)
-    })
 }
 
 /// Integers as one packed word, 32 bits an element, least significant first.

@@ -12,38 +12,38 @@ mod excerpt;
 mod fold;
 mod format;
 mod interface;
+mod manifest;
 mod module;
 mod pipeline;
 pub(crate) mod rom;
 mod share;
+mod shell;
 mod stage;
 mod stepper;
-mod stream;
 mod text;
 pub(crate) mod value;
 mod wire;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
 
 use roughxel_core::design::Design;
-use roughxel_core::knob::Knob;
-use roughxel_core::plan::{Effects, FootprintKind, FrameSystem, HorizonKind};
-use roughxel_core::precision::{Precision, RoughnessKind};
-use serde::Serialize;
-use sha2::{Digest, Sha256};
+use roughxel_core::plan::Effects;
+use roughxel_core::precision::Precision;
 
 pub use error::VerilogError;
 pub use fold::{Fault, FoldSummary, Folded, Machine, Slot, UnitSummary};
 pub use format::Format;
 pub use interface::{Interface, PortDescription};
+pub(crate) use interface::{places, total_bits};
+pub use manifest::knobs;
 pub use rom::Rom;
+pub use shell::{Access, Register, STREAM_BITS, Shell};
 pub use stage::{Stage, StagePort, StageRun, Stages};
-pub use stream::STREAM_BITS;
 pub use text::filled;
 
 use self::body::Body;
 use self::context::Context;
+use self::manifest::{FileEntry, Manifest, ModuleEntry, frame, names};
 use self::module::Module;
 use self::share::Group;
 use self::wire::Parts;
@@ -69,6 +69,8 @@ pub struct Options {
     pub multipliers: Option<u32>,
     /// Bits of the words of an AXI4-Stream shell around the outermost module; `None` writes no shell.
     pub stream: Option<u32>,
+    /// Clock in the constraints of the shell, MHz; without it that of the depth ([`Target::clock_mhz`]).
+    pub clock: Option<f64>,
     /// Stage whose modules are written, in all its uses (`columns`) or in one (`columns_pixel`), with their submodules; `None` writes the whole
     /// design.
     pub stage: Option<String>,
@@ -88,6 +90,7 @@ impl Options {
             target: Target::Asic,
             multipliers: None,
             stream: None,
+            clock: None,
             stage: None,
             prefix,
         }
@@ -101,6 +104,8 @@ pub struct Verilog {
     pub top: Option<Interface>,
     /// The probe stepper around the top, if the top is a step.
     pub stepper: Option<Interface>,
+    /// The shell around the outermost module, with [`Options::stream`].
+    pub shell: Option<Shell>,
     /// Files: path below the directory, and text.
     pub files: BTreeMap<String, String>,
     /// Register bits of the top, of its stages and of delay lines.
@@ -147,10 +152,13 @@ impl Verilog {
             None => Written::flat(&prepared, context, options.stage.as_deref(), design)?,
         };
         let Written { mut verilog, instances, modules, roms } = written;
-        let shell = options.stream.zip(verilog.stepper.as_ref().or(verilog.top.as_ref()));
-        let shell = shell.map(|(bits, outermost)| stream::shell(outermost, bits, &origin));
-        if let Some((name, text)) = &shell {
-            verilog.files.insert(format!("{name}.v"), text.clone());
+        let depth = context.depth;
+        if let Some((bits, outermost)) = options.stream.zip(verilog.outermost()) {
+            let clock = options.clock.unwrap_or_else(|| options.target.clock_mhz(depth));
+            let shell = Shell::new(outermost, &verilog.files[&format!("{}.v", outermost.module)], bits, clock, &origin);
+            verilog.files.extend(shell::modules(&shell));
+            verilog.files.extend(shell::tool_files(&shell, &verilog.files));
+            verilog.shell = Some(shell);
         }
         let manifest = Manifest {
             schema: "roughxel-verilog",
@@ -161,11 +169,11 @@ impl Verilog {
             knobs: knobs(&options.precision),
             effects,
             frame,
-            depth: context.depth,
+            depth,
             target: (options.target != Target::Asic).then(|| options.target.name()),
             top: verilog.top.as_ref(),
             stepper: verilog.stepper.as_ref(),
-            shell: shell.as_ref().map(|(name, _)| name.as_str()),
+            shell: verilog.shell.as_ref(),
             register_bits: verilog.register_bits,
             fold: verilog.fold.as_ref(),
             instances,
@@ -177,6 +185,16 @@ impl Verilog {
         let manifest = serde_json::to_string_pretty(&manifest).unwrap_or_default();
         verilog.files.insert(format!("{name}.json"), manifest + "\n");
         Ok(verilog)
+    }
+
+    /// The outermost module without a shell: the stepper or the top.
+    pub fn outermost(&self) -> Option<&Interface> {
+        self.stepper.as_ref().or(self.top.as_ref())
+    }
+
+    /// Module that a testbench of the design drives: through the shell if there is one.
+    pub fn driven(&self) -> Option<&Interface> {
+        self.shell.as_ref().map(|shell| &shell.driven).or_else(|| self.outermost())
     }
 
     /// Files, path and text, in the order of writing: the manifest comes after the files that it lists.
@@ -218,7 +236,7 @@ impl Written {
             parts.extend(&module.parts);
         }
         parts.write(&mut files);
-        let mut verilog = Verilog { top: None, stepper: None, files, register_bits: 0, fold: None };
+        let mut verilog = Verilog { top: None, stepper: None, shell: None, files, register_bits: 0, fold: None };
         let mut instances = Vec::new();
         if stage.is_none() {
             let name = top_name(design);
@@ -246,7 +264,8 @@ impl Written {
         let folded = fold::write(context, own, groups, multipliers, &top_name(design), design.description())?;
         let fold::FoldedVerilog { interface, mut files, modules, parts, register_bits, summary } = folded;
         parts.write(&mut files);
-        let verilog = Verilog { top: Some(interface), stepper: None, files, register_bits, fold: Some(summary) };
+        let (top, fold) = (Some(interface), Some(summary));
+        let verilog = Verilog { top, stepper: None, shell: None, files, register_bits, fold };
         let modules = modules.iter().map(ModuleEntry::new).collect();
         Ok(Self { verilog, instances: Vec::new(), modules, roms: parts.roms })
     }
@@ -306,129 +325,5 @@ impl Prepared {
             }
             _ => Ok(chosen),
         }
-    }
-}
-
-/// The manifest `NAME.json`.
-#[derive(Serialize)]
-struct Manifest<'a> {
-    schema: &'static str,
-    format_version: u32,
-    generator: &'static str,
-    design: &'a str,
-    profile: &'a str,
-    /// Knobs by name: a number, or the name of a choice.
-    knobs: BTreeMap<&'static str, serde_json::Value>,
-    effects: String,
-    frame: &'static str,
-    depth: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    target: Option<&'static str>,
-    top: Option<&'a Interface>,
-    stepper: Option<&'a Interface>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    shell: Option<&'a str>,
-    register_bits: u32,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    fold: Option<&'a FoldSummary>,
-    instances: Vec<pipeline::Placed>,
-    modules: Vec<ModuleEntry>,
-    roms: Vec<rom::RomDescription>,
-    files: Vec<FileEntry>,
-}
-
-#[derive(Serialize)]
-struct ModuleEntry {
-    name: String,
-    /// Cycles from inputs to outcomes; 0 is combinational.
-    cycles: u32,
-    inputs: Vec<ModulePortEntry>,
-    outputs: Vec<ModulePortEntry>,
-}
-
-#[derive(Serialize)]
-struct ModulePortEntry {
-    port: String,
-    width: u32,
-    signed: bool,
-    fraction_bits: u32,
-    dropped_zeros: u32,
-}
-
-impl ModuleEntry {
-    fn new(module: &Module) -> Self {
-        let ports = |ports: &[module::ModulePort]| {
-            let entry = |port: &module::ModulePort| ModulePortEntry {
-                port: port.name.clone(),
-                width: port.format.width(),
-                signed: port.format.signed(),
-                fraction_bits: port.format.fraction_bits,
-                dropped_zeros: port.format.zeros,
-            };
-            ports.iter().map(entry).collect()
-        };
-        let (inputs, outputs) = (ports(&module.inputs), ports(&module.outputs));
-        Self { name: module.name.clone(), cycles: module.cuts, inputs, outputs }
-    }
-}
-
-#[derive(Serialize)]
-struct FileEntry {
-    name: String,
-    bytes: usize,
-    sha256: String,
-}
-
-impl FileEntry {
-    fn new(name: &str, text: &str) -> Self {
-        let hash = Sha256::digest(text.as_bytes());
-        let sha256 = hash.iter().fold(String::new(), |mut hex, byte| {
-            // Writing to a string cannot fail.
-            let _ = write!(hex, "{byte:02x}");
-            hex
-        });
-        Self { name: name.to_owned(), bytes: text.len(), sha256 }
-    }
-}
-
-/// Knobs as profile files name them: a number, or the name of a choice.
-pub fn knobs(p: &Precision) -> BTreeMap<&'static str, serde_json::Value> {
-    let value = |knob: Knob| {
-        let value = knob.value_in(p);
-        let text = knob.text(value).to_string();
-        if text.parse() == Ok(value) { value.into() } else { text.into() }
-    };
-    Knob::ALL.into_iter().map(|knob| (knob.name(), value(knob))).collect()
-}
-
-/// Effects as `--effects` names them, of those that a design has.
-fn names(effects: &Effects) -> String {
-    let roughness = match effects.roughness {
-        RoughnessKind::None => None,
-        RoughnessKind::Isotropic => Some("roughness-iso"),
-        RoughnessKind::Anisotropic => Some("roughness"),
-    };
-    let on = |on: bool, name| on.then_some(name);
-    let horizon = match effects.horizon {
-        HorizonKind::None => None,
-        HorizonKind::Correlated => Some("horizon"),
-        HorizonKind::Product => Some("horizon-product"),
-    };
-    let footprint = match effects.footprint {
-        FootprintKind::None => None,
-        FootprintKind::Face => Some("footprint"),
-        FootprintKind::Sphere => Some("footprint-sphere"),
-    };
-    let rest = [on(effects.curvature, "curvature"), footprint, horizon];
-    let names: Vec<&str> = [on(effects.bump, "bump"), roughness].into_iter().chain(rest).flatten().collect();
-    if names.is_empty() { "none".to_owned() } else { names.join(",") }
-}
-
-/// The frame system as `--frame` names it.
-const fn frame(effects: &Effects) -> &'static str {
-    match effects.frame {
-        FrameSystem::MainDirection => "main",
-        FrameSystem::Natural => "natural",
-        FrameSystem::NaturalNormalised => "natural-normalised",
     }
 }

@@ -14,6 +14,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use roughxel_core::design::Design;
+use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{Interface, Options, Stage, Verilog, VerilogError, filled};
 use roughxel_record as record;
 use roughxel_utilities::input::open_file;
@@ -34,11 +35,24 @@ const RUN: (&str, &str) = ("run.sh", include_str!("../../../vectors/templates/ru
 /// The page of a directory of testbenches.
 pub const TESTBENCH_README: &str = include_str!("../../../vectors/templates/benches.md");
 
+/// Form of generated Verilog; without anything it is flat, for gates and without a shell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HardwareForm {
+    /// Multipliers on which the design is folded.
+    pub multipliers: Option<u32>,
+    /// Device for which levels are counted.
+    pub target: Target,
+    /// Bits of the words of a shell, through which the testbench drives the design.
+    pub stream: Option<u32>,
+}
+
 /// Device that the SystemVerilog testbench drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Device {
     /// The generated Verilog of the set's datapath or stage, effects and profile, in `rtl`.
     Generated,
+    /// The generated Verilog of the set's datapath in a form of its own.
+    Formed(HardwareForm),
     /// A skeleton with a line per field.
     Blank,
 }
@@ -79,6 +93,9 @@ pub enum TestbenchError {
         /// The error of the Verilog.
         source: VerilogError,
     },
+    /// A form of a whole datapath for a set of one stage.
+    #[error("{}: a stage is combinational, so it is not folded and has no shell", .0.display())]
+    StageForm(PathBuf),
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -167,7 +184,9 @@ impl Testbench {
     /// written.
     pub fn write(&self, directory: &Path, device: Device, replace: bool) -> Result<Vec<String>, TestbenchError> {
         let verilog = match device {
-            Device::Generated => Some(self.verilog()?),
+            Device::Generated => Some(self.verilog(HardwareForm::default())?),
+            Device::Formed(form) if self.stage.is_none() => Some(self.verilog(form)?),
+            Device::Formed(_) => return Err(TestbenchError::StageForm(self.manifest_path.clone())),
             Device::Blank => None,
         };
         let values = self.values(verilog.as_ref())?;
@@ -203,10 +222,12 @@ impl Testbench {
     }
 
     /// The Verilog of the set's datapath or stage, with the set's effects and profile.
-    fn verilog(&self) -> Result<Verilog, TestbenchError> {
+    fn verilog(&self, form: HardwareForm) -> Result<Verilog, TestbenchError> {
         let Manifest { datapath, effects, profile, .. } = &self.manifest;
         let stage = self.stage.as_ref().map(|stage| stage.module.clone());
-        let options = Options { stage, ..Options::new(&profile.name, profile.knobs, *effects) };
+        let HardwareForm { multipliers, target, stream } = form;
+        let options = Options::new(&profile.name, profile.knobs, *effects);
+        let options = Options { stage, multipliers, target, stream, ..options };
         let error = |source| TestbenchError::Verilog { manifest: self.manifest_path.clone(), source };
         record::verilog(Design::for_datapath(*datapath), &options).map_err(error)
     }
@@ -227,7 +248,7 @@ impl Testbench {
             ("OUTPUT_BITS", bits(&fields.outputs)),
             ("SHA256", entry.map_or_else(String::new, |file| file.sha256.clone())),
         ];
-        let module = verilog.and_then(|verilog| self.stage.as_ref().or(verilog.top.as_ref()));
+        let module = verilog.and_then(|verilog| self.stage.as_ref().or(verilog.driven()));
         let error = |problem| TestbenchError::Ports { manifest: self.manifest_path.clone(), problem };
         let device = systemverilog::device(fields, manifest, module).map_err(error)?;
         let texts = systemverilog::values(fields, manifest, &stem);

@@ -214,6 +214,7 @@ fn modules(
         target: Target::Asic,
         multipliers: None,
         stream: None,
+        clock: None,
         prefix: String::new(),
     };
     let verilog = record::verilog(known, &options).map_err(|e| format!("{design}, {profile}: {e}"))?;

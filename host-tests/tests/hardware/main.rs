@@ -10,4 +10,5 @@ mod check;
 mod shrink;
 mod proof;
 mod rtl;
+mod shell;
 mod stages;

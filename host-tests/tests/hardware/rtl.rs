@@ -73,6 +73,7 @@ pub(super) fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Op
         target: Target::Asic,
         multipliers: None,
         stream: None,
+        clock: None,
         stage: None,
         prefix: String::new(),
     }

@@ -102,7 +102,7 @@ def main():
         hdl_toplevel=f"{NAME}_device", build_args=["-g2012"], build_dir=build, timescale=("1ns", "1ns"), always=True)
     results = runner.test(
         test_module=f"test_{NAME}", hdl_toplevel=f"{NAME}_device", hdl_toplevel_lang="verilog", build_dir=build,
-        test_dir=HERE, results_xml=str(Path(build) / "results.xml"), timescale=("1ns", "1ns"))
+        test_dir=HERE, plusargs=["+stalls"] if setting("STALLS", 0) else [], results_xml=str(Path(build) / "results.xml"), timescale=("1ns", "1ns"))
     tests, failed = get_results(Path(results))
     return tests > 0 and failed == 0
 

@@ -204,6 +204,9 @@ int main(int argc, char** argv) {
   }
 
   const auto context = std::make_unique<VerilatedContext>();
+  // A module that drives a shell has gaps between words with +stalls.
+  const char* plus[] = {argv[0], "+stalls"};
+  context->commandArgs(stalls ? 2 : 1, plus);
   const auto top = std::make_unique<V@NAME@_device>(context.get());
   const auto cycle = [&] {
     top->clk = 1;

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use roughxel_core::design::Design;
+use roughxel_core::bundle::{Bundle, End, Rewire, Step, is_constant};
+use roughxel_core::design::{Design, ScaledReflectionInput};
 use roughxel_core::knob::Knob;
 use roughxel_core::plan::{
     Datapath, Effects, FootprintKind, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan,
@@ -40,6 +41,43 @@ pub(crate) fn everything_with_a_name_is_found_by_it() {
     for design in Design::ALL {
         assert!(design.description().len() > 8 && design.description() == design.description().trim());
     }
+}
+
+/// Counts the wires of a bundle that are constants of an object.
+#[derive(Default)]
+struct Constants {
+    path: Vec<Step>,
+    count: usize,
+}
+
+impl Rewire<i32, i32> for Constants {
+    fn enter(&mut self, step: Step) {
+        self.path.push(step);
+    }
+    fn leave(&mut self) {
+        self.path.pop();
+    }
+    fn word(&mut self, wire: i32, _: u32) -> i32 {
+        self.count += usize::from(is_constant(&self.path));
+        wire
+    }
+    fn control(&mut self, wire: i32, fraction_bits: u32) -> i32 {
+        self.word(wire, fraction_bits)
+    }
+    fn wide(&mut self, wire: i64, _: u32) -> i64 {
+        wire
+    }
+    fn flag(&mut self, flag: bool) -> bool {
+        flag
+    }
+}
+
+pub(crate) fn what_is_declared_per_object_is_a_constant_with_all_its_parts() {
+    let mut constants = Constants::default();
+    ScaledReflectionInput::<i32>::limit::<i32>(End::Low).rewire(&mut constants);
+    // The edge of the fragment, and both numbers of the map.
+    assert_eq!(constants.count, 3);
+    assert!(!is_constant(&[]) && !is_constant(&[Step::Index(0)]));
 }
 
 pub(crate) fn a_datapath_is_a_design_with_the_status_bits_that_its_stages_raise() {

@@ -27,6 +27,7 @@ macro_rules! tests {
 
 tests! {
     lists::everything_with_a_name_is_found_by_it,
+    lists::what_is_declared_per_object_is_a_constant_with_all_its_parts,
     lists::a_datapath_is_a_design_with_the_status_bits_that_its_stages_raise,
     lists::a_knob_has_the_values_of_its_range_and_no_others,
     lists::a_knob_that_is_set_has_that_value_and_is_read_as_it_is_written,

@@ -4,11 +4,14 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use roughxel_netlist::target::Target;
+use roughxel_netlist::verilog::STREAM_BITS;
 use roughxel_utilities::output::write_files;
-use roughxel_vectors::{Device, TESTBENCH_README, Testbench, manifests_of};
+use roughxel_vectors::{Device, HardwareForm, TESTBENCH_README, Testbench, manifests_of};
 use serde_json::json;
 
 use crate::console::complain;
+use crate::verilog::parse_target;
 use crate::{Failure, check_directory};
 
 pub(super) const LONG_HELP: &str = "\
@@ -38,6 +41,15 @@ pub(crate) struct BenchArgs {
     /// line per field.
     #[arg(long, value_enum, default_value = "generated")]
     device: DeviceArg,
+    /// Fold the generated design on this many multipliers, as `roughxel verilog` does.
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    multipliers: Option<u32>,
+    /// Device for which the generated design is written.
+    #[arg(long, default_value = "asic", value_parser = parse_target, value_name = "asic|ice40|ecp5|gowin|xc7")]
+    target: Target,
+    /// Drive the generated design through its shell, with words of this many bits: registers and words instead of ports.
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(i64::from(*STREAM_BITS.start())..=i64::from(*STREAM_BITS.end())))]
+    stream: Option<u32>,
     /// Overwrite SET_device.sv and SET_device.vhd. Without it, existing ones are kept.
     #[arg(long)]
     replace_device: bool,
@@ -66,9 +78,16 @@ pub(super) fn run(args: &BenchArgs) -> Result<(), Failure> {
             benches.push(bench);
         }
     }
+    let form = HardwareForm { multipliers: args.multipliers, target: args.target, stream: args.stream };
+    let is_plain = form == HardwareForm::default();
     let device = match args.device {
-        DeviceArg::Generated => Device::Generated,
-        DeviceArg::Blank => Device::Blank,
+        DeviceArg::Generated if is_plain => Device::Generated,
+        DeviceArg::Generated => Device::Formed(form),
+        DeviceArg::Blank if is_plain => Device::Blank,
+        DeviceArg::Blank => {
+            let problem = "`--device blank` has no generated design: leave out --multipliers, --target and --stream";
+            return Err(Failure::Usage(problem.into()));
+        }
     };
     write_files(&args.output, [("README.md", TESTBENCH_README)])?;
     for bench in &benches {

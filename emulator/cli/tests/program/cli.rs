@@ -45,6 +45,9 @@ fn usage_errors_end_with_2() {
         "verilog",
         "verilog -o unused --stage no_such_stage",
         "verilog -o unused --prefix 9",
+        "verilog -o unused --clock 40",
+        "verilog -o unused --stream 32 --clock 0",
+        "verilog -o unused --stream 32 --clock fast",
         "verilog -o unused --scene lake --effects bump",
         "verilog -o unused --effects bumps",
         "vectors export -o unused --scene lake --effects bump",
@@ -308,6 +311,27 @@ fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
             .all(|name| name.starts_with("mine_") || name.starts_with("leading_zeros_") || name == "columns.json")
     );
     assert!(stage.len() < files.len() && stage.contains_key("mine_columns_pixel.v"), "{:?}", stage.keys());
+}
+
+#[test]
+fn options_of_verilog_reach_the_files() {
+    let directory = Folder::new();
+    let options = "--multipliers 2 --target ecp5 --depth 9 --stream 16 --clock 40 --prefix mine_";
+    directory.done(&format!("verilog --profile narrow --effects none --frame natural {options} -o written"));
+    let manifest: serde_json::Value =
+        serde_json::from_str(&directory.read("written/roughxel_fragment.json")).expect("a manifest");
+    for (key, value) in [("profile", "narrow"), ("effects", "none"), ("frame", "natural"), ("target", "ecp5")] {
+        assert_eq!(manifest[key], value, "{key}");
+    }
+    assert_eq!((&manifest["depth"], &manifest["shell"]["stream_bits"]), (&9.into(), &16.into()));
+    assert_eq!(manifest["shell"]["clock_mhz"], 40.0);
+    assert_eq!(manifest["fold"]["units"][0]["units"], 2);
+    assert!(
+        directory.join("written/mine_reflect.v").exists()
+            || directory.read("written/roughxel_fragment.v").contains("mine_")
+    );
+    assert!(directory.read("written/roughxel_fragment.lpf").contains("FREQUENCY PORT \"aclk\" 40 MHZ;"));
+    assert!(directory.join("written/bench/expected.hex").exists());
 }
 
 #[test]

@@ -115,3 +115,40 @@ fn a_different_root_is_faithful_and_a_wrong_exponent_is_named_as_the_pages_say()
     let printed = block(&page("vectors/hdl/README.md"), "random_narrow #0");
     run.prints(&printed.iter().map(String::as_str).filter(|line| *line != "…").collect::<Vec<_>>());
 }
+
+#[test]
+fn the_shell_is_written_and_runs_as_its_page_says() {
+    if !have(&["iverilog", "python3"]) {
+        return;
+    }
+    let (page, copy) = (page("docs/shell.md"), Copy::new());
+    copy.run(&block(&page, "roughxel verilog --profile narrow --multipliers 8 --target ecp5")).ends(0);
+    // The page lists every file that is not Verilog of the design.
+    let listed: Vec<&str> = page.split('`').skip(1).step_by(2).collect();
+    let is_listed = |name: &str| {
+        let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
+        listed.contains(&name)
+            || listed.contains(&&*format!(".{ending}")) && listed.iter().any(|it| it.starts_with(stem))
+    };
+    for entry in fs::read_dir(copy.0.join("ecp5")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(name.ends_with(".v") || name.ends_with(".txt") || name == "rom" || is_listed(&name), "{name}");
+    }
+    let [enter, icarus, run, cocotb] = &block(&page, "cd ecp5\n")[..] else { panic!("four lines") };
+    copy.run(&[enter, icarus, run].map(String::clone)).ends(0).prints(&["PASS"]);
+    let installed = repository().join("target/cocotb");
+    let python = format!("export PYTHONPATH={}:$PYTHONPATH", installed.display());
+    let found = Command::new("sh").args(["-c", &format!("{python}; python3 -c 'import cocotb_tools.runner'")]).output();
+    if !found.unwrap().status.success() {
+        assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "cocotb is not installed");
+        eprintln!("SKIPPED: cocotb 2 is not installed, so the shell was not run in it");
+        return;
+    }
+    copy.run(&[&python, enter, cocotb].map(String::clone)).ends(0).prints(&["PASS roughxel_fragment_shell: 0 of "]);
+    let (_, code) = page.split_once("```python\nimport roughxel_shell\n").expect("code that packs words");
+    let (code, _) = code.split_once("```").expect("its end");
+    copy.0.write("ecp5/words.py", format!("import roughxel_shell\n{code}print(len(words), writes[-1], 'words')\n"));
+    copy.run(&[enter.clone(), "python3 words.py".to_owned()]).ends(0).prints(&["(4, 1) words"]);
+    let benches = block(&page, "roughxel vectors export random --count 100 --profile narrow -o sets\n");
+    copy.run(&benches).ends(0).prints(&["PASS random_narrow: 100 vectors"]);
+}

@@ -1,5 +1,6 @@
 //! Ports of the written modules, as the manifest lists them.
 
+use roughxel_core::bundle::{Step, is_constant};
 use serde::Serialize;
 
 use super::format::Format;
@@ -23,6 +24,12 @@ pub struct PortDescription {
     pub low: i64,
     /// Largest integer.
     pub high: i64,
+    /// True for an input that keeps its value for all fragments of an object: a shell has a register for it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub constant: bool,
+    /// Meaning of the port, as its bundles declare it; empty if they do not.
+    #[serde(skip)]
+    pub text: String,
     /// Format of the port.
     #[serde(skip)]
     pub format: Format,
@@ -42,10 +49,35 @@ impl PortDescription {
             dropped_zeros: format.zeros,
             low,
             high,
+            constant: false,
+            text: String::new(),
             format,
             place,
         }
     }
+
+    /// The port as the fields on a path declare it.
+    pub(super) fn declared(self, path: &[Step]) -> Self {
+        let texts = path.iter().filter_map(|step| match step {
+            Step::Field(field) => Some(field.text.trim().trim_end_matches('.')),
+            Step::Index(_) => None,
+        });
+        Self { constant: is_constant(path), text: texts.collect::<Vec<_>>().join(": "), ..self }
+    }
+}
+
+/// Bits of all ports together.
+pub(crate) fn total_bits(ports: &[PortDescription]) -> u32 {
+    ports.iter().map(|port| port.width).sum()
+}
+
+/// Ports with the place of their lowest bit in one vector, first port most significant.
+pub(crate) fn places(ports: &[PortDescription]) -> impl Iterator<Item = (&PortDescription, u32)> {
+    let mut above = total_bits(ports);
+    ports.iter().map(move |port| {
+        above -= port.width;
+        (port, above)
+    })
 }
 
 /// Ports of a pipelined module. In addition it has `clk`, `rst` and the handshake `in_valid`, `in_ready`, `out_valid`, `out_ready`.

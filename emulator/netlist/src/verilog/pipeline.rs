@@ -81,7 +81,7 @@ pub(super) fn input(context: Context, names: &mut Names, place: usize) -> (PortD
     let base = identifier(name);
     let verilog = names.take(&format!("in_{base}_{format}"));
     let signal = names.take(&format!("{base}_{format}"));
-    (PortDescription::new(name, &verilog, format, [port.low, port.high], place), signal)
+    (PortDescription::new(name, &verilog, format, [port.low, port.high], place).declared(&port.path), signal)
 }
 
 /// Outputs of the top; a constant has no port.

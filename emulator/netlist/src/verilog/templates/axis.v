@@ -8,7 +8,7 @@ module @NAME@ (
   output wire m_axis_tvalid,
   input  wire m_axis_tready,
   output wire [@WIDTH@-1:0] m_axis_tdata,
-  output wire m_axis_tlast                // high with the last word of an output
+  output wire m_axis_tlast@CONSTANT_PORTS@
 );
 
   localparam WIDTH = @WIDTH@;
@@ -34,7 +34,7 @@ module @NAME@ (
       else if (in_ready) full <= 1'b0;
     end
   end
-
+@CONSTANTS@
   // ---- the design ----
   wire out_valid;
   wire out_ready;
