@@ -76,7 +76,7 @@ impl Binding<'_> {
         if x.map(|place| place.number) == y.map(|place| place.number) {
             return false;
         }
-        let mut swap = |this: &mut Self, [a, b]: [usize; 2]| {
+        let swap = |this: &mut Self, [a, b]: [usize; 2]| {
             let mut cost = 0;
             for (place, from, to) in [(x, a, b), (y, b, a)] {
                 if let Some(Place { number, .. }) = place {
@@ -128,8 +128,7 @@ pub(super) fn improve(
     bits: impl Fn(NodeId) -> u32,
 ) {
     let interval = schedule.interval;
-    for kind_number in 0..kinds.len() {
-        let kind = &kinds[kind_number];
+    for (kind_number, kind) in kinds.iter_mut().enumerate() {
         let mut slots = vec![vec![None; schedule.units[kind_number] as usize]; interval as usize];
         let mut reads = Vec::new();
         for (number, own) in kind.uses.iter().enumerate() {
@@ -180,7 +179,7 @@ pub(super) fn improve(
             }
         }
         if widths.is_some() {
-            for (own, reads) in kinds[kind_number].uses.iter_mut().zip(reads) {
+            for (own, reads) in kind.uses.iter_mut().zip(reads) {
                 let turned = reads.first().is_some_and(|read| read.0 == 1);
                 if turned {
                     own.inputs.reverse();
