@@ -1,10 +1,12 @@
 //! `roughxel simulate`.
 
+use std::error::Error;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use miette::miette;
 use roughxel_assets::picture::write_png_codes;
 use roughxel_core::plan::ReflectionPlan;
 use roughxel_frame::plan::Mode;
@@ -12,6 +14,7 @@ use roughxel_frame::{Frame, Prepared};
 use roughxel_hardware_frame::{CACHE_LINES, Device, DeviceOptions, Figures, Footprint, Job, Model};
 use roughxel_netlist::target::Target;
 use roughxel_peaks::ScenePeaks;
+use roughxel_scene::Scene;
 use roughxel_study::profile_file::NamedPrecision;
 use serde_json::json;
 
@@ -81,16 +84,27 @@ struct Drawn {
     first: Option<[usize; 2]>,
 }
 
+/// A frame that is ready to be drawn.
+struct Ready<'a> {
+    scene: &'a Scene,
+    prepared: Prepared<'a>,
+    device: Device,
+    job: Job,
+}
+
 pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     check_directory(&args.output)?;
     let profile = args.profile.open()?;
+    let stems: Vec<_> = args.scenes.iter().map(|scene| file_stem(scene)).collect();
+    if let Some((_, stem)) = stems.iter().enumerate().find(|(index, stem)| stems[..*index].contains(stem)) {
+        return Err(Failure::Usage(format!("two scenes are `{stem}`; draw them into different directories with -o")));
+    }
+    // Every scene is checked before the first device is compiled.
+    let scenes = args.scenes.iter().map(|scene| open_scene(scene, Some(args.size))).collect::<Result<Vec<_>, _>>()?;
+    let ready = scenes.iter().map(|scene| Ready::new(args, scene, &profile)).collect::<Result<Vec<_>, _>>()?;
     let mut drawn = Vec::new();
-    for scene in &args.scenes {
-        let directory = args.output.join(file_stem(scene));
-        if drawn.iter().any(|known: &Drawn| known.picture == directory.with_extension("png")) {
-            return Err(Failure::Usage(format!("two scenes are `{}`; give them different names", directory.display())));
-        }
-        let one = draw(args, scene, &profile, &directory)?;
+    for (ready, stem) in ready.iter().zip(stems) {
+        let one = ready.draw(args, &args.output.join(stem))?;
         if !args.json {
             print(&one, args, &profile)?;
         }
@@ -110,50 +124,58 @@ pub(super) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     }
 }
 
-fn draw(args: &SimulateArgs, scene: &str, profile: &NamedPrecision, directory: &Path) -> Result<Drawn, Failure> {
-    let scene = open_scene(scene, Some(args.size))?;
-    // Scenes with peaks are refused.
-    let prepared = Prepared::with_peaks(&scene, Mode::Footprint, &profile.precision, &ScenePeaks::default())?;
-    let plans: Vec<ReflectionPlan> = prepared.reflection_plans().collect();
-    let options = DeviceOptions {
-        profile: profile.name.clone(),
-        precision: profile.precision,
-        multipliers: args.multipliers,
-        target: args.target,
-    };
-    let device = Device::new(&plans, &options)?;
-    let bar = progress(prepared.work(), &format!("{}: fragments", scene.name));
-    let job = Job::new(&prepared, args.size, &device, &|| bar.inc(1))?;
-    bar.finish_and_clear();
+impl<'a> Ready<'a> {
+    /// Prepares a scene, its device and its fragments.
+    fn new(args: &SimulateArgs, scene: &'a Scene, profile: &NamedPrecision) -> Result<Self, Failure> {
+        // Scenes with peaks are refused.
+        let prepared = Prepared::with_peaks(scene, Mode::Footprint, &profile.precision, &ScenePeaks::default())?;
+        let plans: Vec<ReflectionPlan> = prepared.reflection_plans().collect();
+        let options = DeviceOptions {
+            profile: profile.name.clone(),
+            precision: profile.precision,
+            multipliers: args.multipliers,
+            target: args.target,
+        };
+        let of_scene = |error: &dyn Error| Failure::Error(miette!("scene {}: {error}", scene.name));
+        let device = Device::new(&plans, &options).map_err(|error| of_scene(&error))?;
+        let bar = progress(prepared.work(), &format!("{}: fragments", scene.name));
+        let job = Job::new(&prepared, args.size, &device, &|| bar.inc(1)).map_err(|error| of_scene(&error))?;
+        bar.finish_and_clear();
+        Ok(Self { scene, prepared, device, job })
+    }
 
-    complain(&format!("{}: Verilator compiles the device; this takes about a minute", scene.name));
-    let start = Instant::now();
-    let model = Model::build(&device, directory, "-O1")?;
-    let compiling = start.elapsed().as_secs_f64();
-    let bar = progress(job.pixels() as u64, &format!("{}: pixels", scene.name));
-    let start = Instant::now();
-    let (frame, figures) = model.run(&job, directory, args.latency, &|done| bar.set_position(done))?;
-    let running = start.elapsed().as_secs_f64();
-    bar.finish_and_clear();
+    /// Draws the frame with the device and with the emulator.
+    fn draw(&self, args: &SimulateArgs, directory: &Path) -> Result<Drawn, Failure> {
+        let Self { scene, prepared, device, job } = self;
+        complain(&format!("{}: Verilator compiles the device; this takes about a minute", scene.name));
+        let start = Instant::now();
+        let model = Model::build(device, directory, "-O1")?;
+        let compiling = start.elapsed().as_secs_f64();
+        let bar = progress(job.pixels() as u64, &format!("{}: pixels", scene.name));
+        let start = Instant::now();
+        let (frame, figures) = model.run(job, directory, args.latency, &|done| bar.set_position(done))?;
+        let running = start.elapsed().as_secs_f64();
+        bar.finish_and_clear();
 
-    let picture = directory.with_extension("png");
-    write_png_codes(&picture, args.size, &frame.srgb_codes())?;
-    let golden = prepared.render(&|| ())?;
-    let width = args.size[0] as usize;
-    let (different, first) = differences(&frame, &golden);
-    Ok(Drawn {
-        name: scene.name.clone(),
-        picture,
-        size: args.size,
-        footprint: device.footprint,
-        interval: device.interval(),
-        multipliers: device.multipliers(),
-        reflecting: job.reflecting,
-        figures,
-        seconds: [compiling, running],
-        different,
-        first: first.map(|index| [index % width, index / width]),
-    })
+        let picture = directory.with_extension("png");
+        write_png_codes(&picture, args.size, &frame.srgb_codes())?;
+        let golden = prepared.render(&|| ())?;
+        let width = args.size[0] as usize;
+        let (different, first) = differences(&frame, &golden);
+        Ok(Drawn {
+            name: scene.name.clone(),
+            picture,
+            size: args.size,
+            footprint: device.footprint,
+            interval: device.interval(),
+            multipliers: device.multipliers(),
+            reflecting: job.reflecting,
+            figures,
+            seconds: [compiling, running],
+            different,
+            first: first.map(|index| [index % width, index / width]),
+        })
+    }
 }
 
 /// Number of pixels that differ, and the index of the first one.

@@ -116,9 +116,12 @@ impl Model {
         optimisation: &str,
         prepare: impl FnOnce(&mut Command),
     ) -> Result<Self, ModelError> {
+        write_files(directory, [("main.cpp", MAIN)])?;
+        // The compiler runs in a directory of its own.
+        let whole = std::fs::canonicalize(directory);
+        let directory = &whole.map_err(|source| ModelError::Read { path: directory.display().to_string(), source })?;
         let (rtl, objects) = (directory.join("rtl"), directory.join("obj"));
         write_files(&rtl, device.files.iter().map(|(name, text)| (name.as_str(), text.as_str())))?;
-        write_files(directory, [("main.cpp", MAIN)])?;
         // Verilator compiles the model again if it is there already, but not that of an older device.
         let _ = std::fs::remove_dir_all(&objects);
         let program = objects.join("simulate");
