@@ -39,7 +39,7 @@ pub fn bench_script(script: &Path) -> Command {
 
 /// Makes a command that runs Verilator compile Verilator's own library once for all models, below `target`. The library takes longer to compile
 /// than most models.
-fn keep_objects(command: &mut Command) {
+pub fn keep_objects(command: &mut Command) {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     let kept = package.join("../target/verilator-objects");
     fs::create_dir_all(&kept).unwrap_or_else(|error| panic!("{}: {error}", kept.display()));

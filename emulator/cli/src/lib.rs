@@ -23,6 +23,7 @@ mod render;
 mod report;
 mod scenes;
 mod schedule;
+mod simulate;
 mod study;
 mod vectors;
 mod verilog;
@@ -81,6 +82,9 @@ enum Command {
     /// Write the datapath as synthesizable Verilog: a module for each stage, a pipelined top, ROMs, a JSON manifest.
     #[command(after_help = CONVENTIONS)]
     Verilog(verilog::VerilogArgs),
+    /// Draw scenes with the generated Verilog in Verilator, and compare every bit with the emulator's frames.
+    #[command(long_about = simulate::LONG_HELP, after_help = CONVENTIONS)]
+    Simulate(simulate::SimulateArgs),
     /// Draw the scenes of the papers next to what they are compared with, and write a page of them.
     #[command(long_about = gallery::LONG_HELP)]
     Gallery(gallery::GalleryArgs),
@@ -121,6 +125,7 @@ pub fn run() -> ExitCode {
         Command::Cost(args) => cost::run(&args),
         Command::Schedule(args) => schedule::run(&args),
         Command::Verilog(args) => verilog::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Gallery(args) => gallery::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Study(args) => study::run(&args),

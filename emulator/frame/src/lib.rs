@@ -13,6 +13,7 @@
 mod capture;
 mod colour;
 mod environment;
+mod fragments;
 mod frame;
 mod lighting;
 pub mod plan;
@@ -24,6 +25,7 @@ mod tile;
 
 pub use colour::{Colour, MAX_MAP_EXPONENT};
 pub use environment::EnvironmentMap;
+pub use fragments::{FragmentReflection, FrameFragment};
 pub use frame::Frame;
 pub use prepare::Prepared;
 pub use texture::colour_map;

@@ -13,7 +13,7 @@ use roughxel_core::signals::MapScale;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{Light, LightPlace, Scene};
-use roughxel_shader::{BumpMap, Effect, Environment, Material, ObjectPlan, Shader};
+use roughxel_shader::{BumpMap, CubeTexels, Effect, Environment, Material, ObjectPlan, Shader};
 use roughxel_simd::Backend;
 
 use super::colour::colour_word;
@@ -166,6 +166,11 @@ impl<'a> Prepared<'a> {
     /// The plan of each object, in the order of the scene.
     pub fn plans(&self) -> impl Iterator<Item = &ObjectPlan> {
         self.objects.iter().map(|object| &object.material.plan)
+    }
+
+    /// Texels of the environment, if the scene shows one.
+    pub fn environment_texels(&self) -> Option<&CubeTexels> {
+        self.environment.as_deref().map(EnvironmentMap::texels)
     }
 
     /// True if the environment is brighter than 64 × white somewhere, so that each texel has an exponent.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use roughxel_core::datapath::pixel::{self, PixelSum};
 use roughxel_core::fx::Fx;
 use roughxel_scene::Background;
-use roughxel_shader::{Channel, Fragments, PhaseClock, PhaseTimes, Place, Sums, Work};
+use roughxel_shader::{Channel, Fragments, Material, PhaseClock, PhaseTimes, Place, Shader, Sums, Work};
 use roughxel_simd::LANES;
 
 use super::Colour;
@@ -32,6 +32,30 @@ impl Counted {
         self.texels += other.texels;
         self.times.add(&other.times);
         self
+    }
+}
+
+/// Use of the samples of a tile.
+pub(super) trait Shading {
+    /// Takes the waiting fragments of an object and leaves none.
+    fn shade(&mut self, shader: Shader<'_>, material: &Material, fragments: &mut Fragments);
+    /// Takes a colour that no fragment makes.
+    fn add(&mut self, place: Place, colour: [Channel; 3]);
+}
+
+/// Light of the pixels of a tile, and the batches in which it is made.
+struct Light {
+    sums: Sums,
+    work: Work,
+}
+
+impl Shading for Light {
+    fn shade(&mut self, shader: Shader<'_>, material: &Material, fragments: &mut Fragments) {
+        shader.shade(material, fragments, &mut self.work, &mut self.sums);
+    }
+
+    fn add(&mut self, place: Place, colour: [Channel; 3]) {
+        self.sums.add(place, colour);
     }
 }
 
@@ -70,7 +94,7 @@ impl Prepared<'_> {
     }
 
     /// Choice of the shaded samples of a pixel: its centre, a grid, or one of every visible object.
-    fn sampling(&self) -> Sampling {
+    pub(super) fn sampling(&self) -> Sampling {
         if self.objects.iter().any(|object| object.material.plan.edges) {
             Sampling::Objects
         } else {
@@ -87,15 +111,38 @@ impl Prepared<'_> {
         samples: &mut TileSamples,
     ) -> (Vec<Colour>, Counted) {
         let pixels = tile.width as usize * tile.height as usize;
-        let (mut sums, mut work) = (Sums::new(pixels), Work::default());
-        // Sample count of each pixel.
-        let mut counts = vec![0; pixels];
+        let mut light = Light { sums: Sums::new(pixels), work: Work::default() };
+        let counts = self.walk_tile(triangles, tile, passes, samples, &mut light);
+        // The datapath is compared by samples, and edges belong to the front end: the mean of samples, to nearest, is not a
+        // stage.
+        let mean = |sum: PixelSum<i32>, count: u32| match i64::from(count) {
+            1 => sum,
+            count => PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + count / 2) / count) },
+        };
+        let sums = light.sums;
+        let colours = sums.pixels.into_iter().zip(counts);
+        let colours = colours.map(|(sums, count)| sums.map(|sum| pixel::pixel(&mean(sum, count)).raw()));
+        let colours = colours.collect();
+        (colours, Counted { texels: 4 * sums.samples, times: sums.clock.stop() })
+    }
+
+    /// Hands the shaded samples of a tile to `shading`, and returns the sample count of each pixel.
+    pub(super) fn walk_tile(
+        &self,
+        triangles: &TriangleList<'_>,
+        tile: TileRect,
+        passes: &[Pass],
+        samples: &mut TileSamples,
+        shading: &mut impl Shading,
+    ) -> Vec<u32> {
+        let mut counts = Vec::new();
         for pass in passes {
             triangles.samples(tile, pass, samples);
+            counts.resize(samples.counts().len(), 0);
             let mut spans = samples.spans().peekable();
             while let Some((triangle, span)) = spans.peek() {
                 let Some(triangle) = *triangle else {
-                    self.shade_background(samples, span.clone(), &mut work, &mut sums);
+                    self.walk_background(samples, span.clone(), shading);
                     break;
                 };
                 let object = triangles.object_index(triangle);
@@ -104,30 +151,20 @@ impl Prepared<'_> {
                         triangle.is_some_and(|triangle| triangles.object_index(triangle) == object)
                     })
                 });
-                self.shade_object(&self.objects[object], triangles, (samples, of_object), &mut work, &mut sums);
+                self.walk_object(&self.objects[object], triangles, (samples, of_object), shading);
             }
             counts.iter_mut().zip(samples.counts()).for_each(|(sum, count)| *sum += count);
         }
-        // The datapath is compared by samples, and edges belong to the front end: the mean of samples, to nearest, is not a
-        // stage.
-        let mean = |sum: PixelSum<i32>, count: u32| match i64::from(count) {
-            1 => sum,
-            count => PixelSum::<i32> { sum: Fx::from_raw((sum.sum.raw() + count / 2) / count) },
-        };
-        let colours = sums.pixels.into_iter().zip(counts);
-        let colours = colours.map(|(sums, count)| sums.map(|sum| pixel::pixel(&mean(sum, count)).raw()));
-        let colours = colours.collect();
-        (colours, Counted { texels: 4 * sums.samples, times: sums.clock.stop() })
+        counts
     }
 
-    /// Shades the samples of an object, triangle by triangle.
-    fn shade_object(
+    /// Hands the samples of an object to `shading`, triangle by triangle.
+    fn walk_object(
         &self,
         object: &PreparedObject,
         triangles: &TriangleList<'_>,
         (tile, spans): (&TileSamples, impl Iterator<Item = (Option<u32>, Range<usize>)>),
-        work: &mut Work,
-        sums: &mut Sums,
+        shading: &mut impl Shading,
     ) {
         let PreparedObject { material, light_points, .. } = object;
         let (shader, needs) = (self.shader(), material.needs());
@@ -157,15 +194,15 @@ impl Prepared<'_> {
                     }
                 }
                 if fragments.len() + LANES > Fragments::MANY {
-                    shader.shade(material, &mut fragments, work, sums);
+                    shading.shade(shader, material, &mut fragments);
                 }
             }
         }
-        shader.shade(material, &mut fragments, work, sums);
+        shading.shade(shader, material, &mut fragments);
     }
 
-    /// Shades the samples that show no triangle.
-    fn shade_background(&self, tile: &TileSamples, span: Range<usize>, work: &mut Work, sums: &mut Sums) {
+    /// Hands the samples that show no triangle to `shading`.
+    fn walk_background(&self, tile: &TileSamples, span: Range<usize>, shading: &mut impl Shading) {
         if matches!(self.scene.background, Background::Environment) && self.environment.is_some() {
             let (mut rays, derivatives) = (Fragments::new(&self.mirror), self.projection.mirror_derivatives());
             let mut rows = rays.rows();
@@ -180,14 +217,14 @@ impl Prepared<'_> {
                 );
                 rays.append(&places[..count], &rows, &derivatives);
                 if rays.len() + LANES > Fragments::MANY {
-                    self.shader().shade(&self.mirror, &mut rays, work, sums);
+                    shading.shade(self.shader(), &self.mirror, &mut rays);
                 }
             }
-            return self.shader().shade(&self.mirror, &mut rays, work, sums);
+            return shading.shade(self.shader(), &self.mirror, &mut rays);
         }
         let colours: Vec<_> = tile.lines().map(|y| self.background(y)).collect();
         for &sample in tile.span(span) {
-            sums.add(Place { pixel: tile.pixel(sample), times: tile.times(sample) }, colours[tile.line(sample)]);
+            shading.add(Place { pixel: tile.pixel(sample), times: tile.times(sample) }, colours[tile.line(sample)]);
         }
     }
 

@@ -131,7 +131,7 @@ impl Shader<'_> {
     }
 
     /// The colour of the object at every fragment.
-    fn colours(self, material: &Material, fragments: &Fragments, colours: &mut Batch<ShadedColour<i32>>) {
+    pub(crate) fn colours(self, material: &Material, fragments: &Fragments, colours: &mut Batch<ShadedColour<i32>>) {
         let own = &material.colour;
         match &material.colour_map {
             None => colours.fill(fragments.len(), &ShadedColour { channels: *own, samples: Fx::zero() }),
@@ -140,7 +140,7 @@ impl Shader<'_> {
     }
 
     /// Bumps and roughness of the object at every fragment.
-    fn bumps(self, material: &Material, fragments: &Fragments, bumps: &mut Batch<FilteredBump<i32>>) {
+    pub(crate) fn bumps(self, material: &Material, fragments: &Fragments, bumps: &mut Batch<FilteredBump<i32>>) {
         let flat = Bump { offset: [Fx::zero(); 2], roughness: [Fx::zero(); 3] };
         match &material.bump_map {
             None => bumps.fill(fragments.len(), &FilteredBump { bump: flat, samples: Fx::zero() }),

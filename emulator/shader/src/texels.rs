@@ -114,6 +114,16 @@ impl CubeTexels {
         self.edge
     }
 
+    /// Number of levels.
+    pub fn levels(&self) -> u32 {
+        self.levels
+    }
+
+    /// log₂ of the unit in linear light.
+    pub fn exponent(&self) -> i32 {
+        self.exponent
+    }
+
     /// Number of texels of all levels.
     pub fn len(&self) -> usize {
         (0..self.levels).map(|level| FACES as usize * (level_edge(self.edge, level) as usize).pow(2)).sum()

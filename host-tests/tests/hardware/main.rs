@@ -4,6 +4,7 @@ mod benches;
 mod broken;
 mod c_library;
 mod folded;
+mod frame;
 mod folder;
 mod coverage;
 mod check;

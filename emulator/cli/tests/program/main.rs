@@ -19,5 +19,6 @@ mod peaks;
 mod profile;
 mod records;
 mod shards;
+mod simulate;
 mod study;
 mod vectors;
