@@ -155,7 +155,7 @@ fn count<W: Word>(
             let mut left = p.max_probes - fewest;
             // Half of what is left at a time: largest multiple of λ₂ below the rest.
             for _ in 0..MAX_PROBES.ilog2() {
-                let taken = left.div_ceil(2);
+                let taken = (left + 1) >> 1;
                 let multiple = multiple::<W>(minor, taken);
                 let wider = if taken == 0 { never::<W>() } else { multiple.lt(beyond) };
                 count = Fx::select(wider, count + Fx::int(taken.into()), count);
