@@ -6,6 +6,7 @@
 pub mod bars;
 pub mod checked;
 pub mod designs;
+pub mod floorplan;
 pub mod imports;
 pub mod integers;
 pub mod keys;

@@ -15,7 +15,7 @@ const GENERATED: [&str; 5] = [
     "docs/programs.md",
     "emulator/firmware/PRICE.md",
     "emulator/study/results/tables.md",
-    "vectors/hdl/RESULTS.md",
+    "vectors/hdl/FLOORPLAN.md",
 ];
 
 /// Largest size of a document in bytes.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Effects, FootprintKind};
 use roughxel_core::precision::RoughnessKind;
+use roughxel_host_tests::designs::{expected, inputs};
 use roughxel_host_tests::simulators::{have, run};
 use roughxel_host_tests::space::{is_full_run, profiles, whole_or};
 use roughxel_netlist::interval::Range;
@@ -16,7 +17,7 @@ use roughxel_netlist::verilog::{Fault, Folded, Options};
 use roughxel_record as record;
 use roughxel_utilities::random::SplitMix64;
 
-use super::rtl::{Case, FULL, expected, inputs, options};
+use super::rtl::{Case, FULL, options};
 
 /// Plans of a reflection: all effects, footprints of smooth texels, a mirror.
 const PLANS: [(&str, Effects); 3] = [

@@ -3,6 +3,7 @@
 mod benches;
 mod broken;
 mod c_library;
+mod floorplan;
 mod folded;
 mod frame;
 mod folder;

@@ -12,12 +12,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 use rayon::prelude::*;
-use roughxel_cases::stimulus::{port_values, within};
-use roughxel_cases::{hard_case_sets, random_fragment};
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
-use roughxel_host_tests::designs::scalar;
+use roughxel_host_tests::designs::{expected, inputs};
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
 use roughxel_host_tests::space::{in_turn, is_full_run, profiles, whole_or};
 use roughxel_netlist::bench::Bench;
@@ -27,7 +25,6 @@ use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
 use roughxel_record as record;
 use roughxel_utilities::output::write_files;
-use roughxel_utilities::random::SplitMix64;
 use roughxel_vectors::{Direction, Field, Manifest, manifests_in};
 use tempfile::TempDir;
 
@@ -77,32 +74,6 @@ pub(super) fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Op
         stage: None,
         prefix: String::new(),
     }
-}
-
-/// Ports of a design: at least `count` vectors, from random fragments, every hard case of the plan, and integers anywhere
-/// in the declared ranges.
-pub(super) fn inputs(design: Design, net: &Net, count: usize, effects: &Effects, p: &Precision) -> Vec<Vec<i64>> {
-    let name = design.name();
-    let whole = matches!(design, Design::Fragment | Design::Reflection);
-    let plan = effects.reflection();
-    let cases = hard_case_sets(p).into_iter().filter(|set| set.plan == plan || plan != FULL.reflection());
-    // Only designs that take a whole fragment see each hard case.
-    let hard = cases.flat_map(|set| set.cases).step_by(if whole { 1 } else { 10 });
-    let random = (0..count as u64 * 3 / 4).map(|index| random_fragment("rtl", index, p));
-    let mut vectors = Vec::new();
-    for (index, fragment) in (0..).zip(hard.chain(random)) {
-        if whole || vectors.len() < count {
-            let mut random = SplitMix64::for_element(name, index);
-            vectors.extend(port_values(design, net, &fragment, effects, p, &mut random));
-        }
-    }
-    // Ports of a probe are consistent.
-    if !name.ends_with("_probe") {
-        let mut random = SplitMix64::for_element(name, u64::MAX);
-        let mut anywhere = || net.ports.iter().map(|port| within(port.low, port.high, &mut random)).collect();
-        vectors.extend((0..count / 4).map(|_| anywhere()));
-    }
-    vectors
 }
 
 /// A design in its own directory.
@@ -191,11 +162,6 @@ type Model = OnceLock<PathBuf>;
 
 fn runtime() -> &'static Path {
     Path::new(env!("CARGO_TARGET_TMPDIR"))
-}
-
-/// Integers of the outputs, by the scalar backend.
-pub(super) fn expected(design: Design, ports: &[i64], effects: &Effects, p: &Precision) -> Vec<i64> {
-    scalar(design, ports, effects, p).values().to_vec()
 }
 
 /// A design with vectors and the results of the scalar backend.

@@ -1,0 +1,104 @@
+//! Placement and routing with nextpnr.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::cell::hash;
+use super::device::Device;
+use super::results::{Outcome, Placement};
+use super::tools::{installed, python, run_within, tail};
+
+/// Starts the program of a package: its name and arguments come from the command line.
+const START: &str = "\
+import importlib, sys
+package = importlib.import_module('yowasp_' + sys.argv[1])
+sys.exit(getattr(package, 'run_' + sys.argv[1])(sys.argv[2:]))
+";
+
+/// Writes `pins.cst` for a netlist.
+const PINS: &str = include_str!("pins.py");
+
+/// Wishes for a run of nextpnr.
+#[derive(Clone, Copy, Debug)]
+pub struct Wish {
+    /// Seed of the placer.
+    pub seed: u32,
+    /// Most minutes.
+    pub minutes: u32,
+}
+
+/// Key of a placement: netlist, device, options, seed, version.
+///
+/// Errors: nextpnr is not installed.
+pub fn key(netlist_key: &str, device: &Device, seed: u32) -> Result<String, String> {
+    let version = installed(device.program[0])?;
+    let options = device.options.join(" ");
+    Ok(hash(&[netlist_key, &version, &options, device.aim, &seed.to_string()]))
+}
+
+/// Places and routes the `netlist.json` of a folder on a device. Everything but a missing tool is a result.
+///
+/// Errors: nextpnr is not installed, or a file cannot be written.
+pub fn place(folder: &Path, netlist_key: &str, device: &Device, wish: Wish) -> Result<Placement, String> {
+    let key = key(netlist_key, device, wish.seed)?;
+    let file = |ending: &str| format!("{}-seed{}.{ending}", device.name, wish.seed);
+    let (report, log) = (folder.join(file("report.json")), folder.join(file("log")));
+    if let Some(package) = device.pins {
+        installed("apycula")?;
+        let status = run_within(python().current_dir(folder).args(["-c", PINS]).args(package), &log, None)?;
+        if !status.is_some_and(|status| status.success()) {
+            return Err(format!("no pins of {} for {}: {}", device.name, folder.display(), tail(&log)));
+        }
+    }
+    let seed = wish.seed.to_string();
+    let mut command = python();
+    command.current_dir(folder).args(["-c", START, device.program[1]]).args(device.options);
+    // Names are relative: the program sees only its folder.
+    command.args(["--json", "netlist.json", "--seed", &seed, "--freq", device.aim, "--timing-allow-fail"]);
+    command.args(["--report", &file("report.json")]);
+    let start = Instant::now();
+    let limit = Duration::from_secs(60 * u64::from(wish.minutes));
+    let status = run_within(&mut command, &log, Some(limit))?;
+    let text = fs::read_to_string(&log).map_err(|e| format!("{}: {e}", log.display()))?;
+    let used = utilisation(&text);
+    let outcome = match status {
+        None => Outcome::OutOfTime { minutes: wish.minutes },
+        Some(status) if status.success() => {
+            let megahertz = clock(&report)?;
+            Outcome::Placed { megahertz }
+        }
+        Some(_) => Outcome::Failed { reason: reason(&text).unwrap_or_else(|| tail(&log)) },
+    };
+    let tool = installed(device.program[0])?;
+    Ok(Placement { key, tool, seed: wish.seed, seconds: start.elapsed().as_secs(), used, outcome })
+}
+
+/// Lowest clock of a report, MHz. A multiplier without registers of its own is in a domain of a constant, which has no clock.
+fn clock(report: &Path) -> Result<f64, String> {
+    let text = fs::read_to_string(report).map_err(|e| format!("{}: {e}", report.display()))?;
+    let value: Value = serde_json::from_str(&text).map_err(|e| format!("{}: {e}", report.display()))?;
+    let clocks = value["fmax"].as_object().into_iter().flatten();
+    let achieved = clocks.filter_map(|(_, clock)| clock["achieved"].as_f64());
+    achieved.min_by(f64::total_cmp).ok_or_else(|| format!("{}: it has no clock", report.display()))
+}
+
+/// Cells of a log's list of used ones, and how many of them the device has: `TRELLIS_COMB: 10/ 24288  0%`. Kinds that are not used are left out.
+pub fn utilisation(log: &str) -> BTreeMap<String, [u64; 2]> {
+    let lines = log.lines().filter_map(|line| {
+        let (kind, numbers) = line.trim().strip_prefix("Info:")?.trim().split_once(':')?;
+        let (used, rest) = numbers.split_once('/')?;
+        let available = rest.split_whitespace().next()?;
+        Some((kind.to_owned(), [used.trim().parse().ok()?, available.parse().ok()?]))
+    });
+    lines.filter(|(kind, [used, _])| *used > 0 && !kind.contains(' ')).collect()
+}
+
+/// First error of a log, without its prefix.
+fn reason(log: &str) -> Option<String> {
+    let line = log.lines().find_map(|line| line.trim().strip_prefix("ERROR:"))?;
+    Some(line.trim().chars().take(160).collect())
+}

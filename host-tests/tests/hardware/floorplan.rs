@@ -1,0 +1,164 @@
+//! The floor plan: page and picture are what the kept results say, operations are those of the float32 datapath, a netlist gives the scalar bits.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use roughxel_cases::random_fragment;
+use roughxel_core::precision::Precision;
+use roughxel_core::status::StatusBit;
+use roughxel_f32_baseline::math::Std;
+use roughxel_f32_baseline::{Environment, Fragment, formulas::Careful};
+use roughxel_host_tests::floorplan::cell::{Cell, Plan, hash};
+use roughxel_host_tests::floorplan::device::DEVICES;
+use roughxel_host_tests::floorplan::place::utilisation;
+use roughxel_host_tests::floorplan::results::{self, Results};
+use roughxel_host_tests::floorplan::simulate::{Variant, simulate};
+use roughxel_host_tests::floorplan::yosys::Yosys;
+use roughxel_host_tests::floorplan::{operations, page, picture, tools};
+use roughxel_host_tests::simulators::have;
+use roughxel_netlist::target::Target;
+use roughxel_utilities::random::SplitMix64;
+
+fn kept() -> Results {
+    Results::read(&results::file()).expect("the committed results")
+}
+
+fn text_of(path: &std::path::Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+#[test]
+fn page_and_picture_are_those_of_the_kept_results() {
+    let results = kept();
+    let remedy = "run `cargo run --release -p roughxel-host-tests --bin floorplan -- --page`";
+    assert_eq!(text_of(&results::file()), results.text().expect("finite numbers"), "{remedy}");
+    assert_eq!(text_of(&page::file()), page::text(&results), "{remedy}");
+    assert_eq!(text_of(&picture::file()), picture::svg(&results).expect("the study"), "{remedy}");
+}
+
+#[test]
+fn every_simulated_netlist_is_right() {
+    let simulations = kept().simulations;
+    for (name, simulation) in &simulations {
+        assert_eq!(simulation.mismatch, None, "{name}");
+        assert!(simulation.vectors >= 100, "{name}: {} vectors", simulation.vectors);
+    }
+    for family in ["ecp5", "ice40"] {
+        for kind in ["2", "flat"] {
+            for ready in ["stalls", "always-ready"] {
+                let name = format!("narrow-mirror-{kind}-{family}-{ready}");
+                assert!(simulations.contains_key(&name), "{name} was not simulated");
+            }
+        }
+    }
+}
+
+#[test]
+fn results_that_cannot_be_read_name_file_and_remedy() {
+    let directory = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary directory");
+    let path = directory.path().join("floorplan.json");
+    assert_eq!(Results::read(&path), Ok(Results::default()));
+    let text = text_of(&results::file());
+    let mut random = SplitMix64::for_element("floorplan", 0);
+    let mut place = || (random.next_u64() % text.len() as u64) as usize;
+    for round in 0..300 {
+        let mut bytes = text.clone().into_bytes();
+        if round % 2 == 0 {
+            bytes.truncate(place());
+        } else {
+            bytes[place()] = place() as u8;
+        }
+        fs::write(&path, bytes).expect("a file can be written");
+        // A changed digit or letter of a name is another result.
+        if let Err(message) = Results::read(&path) {
+            assert!(message.contains("floorplan.json"), "{message}");
+            assert!(round % 2 == 1 || message.contains("line") && message.contains("measure again"), "{message}");
+        }
+    }
+}
+
+#[test]
+fn used_cells_are_read_from_any_log() {
+    let log = "Info: Device utilisation:\nInfo: \t          TRELLIS_IO:      40/    197    20%\nInfo: \t    DCCA:  0/ 56  0%\n\
+               Info:     Total LUT4s:     22851/24288    94%\nInfo: \tTRELLIS_COMB: 30000/24288 123%\n";
+    let expected = [("TRELLIS_IO", [40, 197]), ("TRELLIS_COMB", [30_000, 24_288])];
+    let expected: BTreeMap<String, [u64; 2]> =
+        expected.into_iter().map(|(kind, counts)| (kind.to_owned(), counts)).collect();
+    assert_eq!(utilisation(log), expected);
+    for end in 0..log.len() {
+        assert!(utilisation(&log[..end]).len() <= 2);
+    }
+}
+
+#[test]
+fn every_tool_has_a_version_and_a_missing_one_names_the_command() {
+    for package in DEVICES.map(|device| device.program[0]).into_iter().chain(["pyosys", "zkf"]) {
+        assert!(tools::version(package).is_ok(), "{package}");
+    }
+    let missing = tools::installed("wasmtime-of-another-name").expect_err("there is no such package");
+    assert!(missing.contains("requirements.txt"), "{missing}");
+}
+
+#[test]
+fn hashes_tell_texts_apart() {
+    assert_eq!(hash(&["ab", "c"]), hash(&["ab", "c"]));
+    assert_ne!(hash(&["ab", "c"]), hash(&["a", "bc"]));
+    assert_ne!(hash(&["ab"]), hash(&["ab", ""]));
+}
+
+#[test]
+fn a_frame_is_the_largest_that_is_filled_thirty_times_a_second() {
+    assert_eq!(page::frame(640.0 * 480.0 * 30.0), Some([640, 480]));
+    assert_eq!(page::frame(640.0 * 480.0 * 30.0 - 1.0), Some([480, 320]));
+    assert_eq!(page::frame(1.0), None);
+}
+
+#[test]
+fn counted_operations_give_the_results_of_the_float32_datapath() {
+    let fragments = (0..).map(|index| random_fragment("floorplan", index, &Precision::STANDARD));
+    let fragments = fragments.filter(Fragment::in_range).take(2000);
+    let mut compared = 0;
+    for ports in fragments {
+        let edge = u32::from(ports.edge_texels).next_power_of_two();
+        let (rough, environment) = (Fragment::from(&ports), Environment::new(edge));
+        let smooth = Fragment { roughness: glam::Vec3::ZERO, ..rough };
+        let flat = Fragment { offset: glam::Vec2::ZERO, ..smooth };
+        let [of_rough, of_smooth, of_flat] =
+            [rough, smooth, flat].map(|fragment| environment.reflect::<Std, Careful>(&fragment));
+        let zeros = StatusBit::NormalZero.mask() | StatusBit::ViewZero.mask();
+        if of_flat.status & zeros == 0 {
+            assert_eq!(operations::reflect_mirror(&flat).st, of_flat.st.to_array());
+        }
+        for (fragment, wanted, is_rough) in [(smooth, of_smooth, false), (rough, of_rough, true)] {
+            // Degenerate fragments have choices that are not counted.
+            if wanted.status != 0 {
+                continue;
+            }
+            let outcome = operations::reflect_footprint(&fragment, is_rough, edge);
+            assert_eq!(outcome.st, wanted.st.to_array());
+            assert_eq!(outcome.step, wanted.step.to_array());
+            assert_eq!(outcome.lod.to_bits(), wanted.lod.to_bits(), "{outcome:?} {wanted:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 1000, "{compared} footprints");
+}
+
+#[test]
+fn kept_counts_of_operations_are_those_of_the_formulas() {
+    assert_eq!(kept().float_operations, operations::of_plans());
+}
+
+#[test]
+fn an_ice40_netlist_of_a_folded_mirror_gives_the_scalar_bits() {
+    if !have("yosys") || !have("iverilog") {
+        return;
+    }
+    let yosys = Yosys::system().expect("yosys answers");
+    let cell = Cell { profile: "narrow".to_owned(), plan: Plan::Mirror, multipliers: Some(2), target: Target::Ice40 };
+    let directory = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary directory");
+    let variant = Variant { cell, is_tied: false };
+    let simulation = simulate(&yosys, &variant, 60, directory.path()).expect("the tools run");
+    assert_eq!(simulation.mismatch, None);
+    assert!(simulation.vectors > 50, "{}", simulation.vectors);
+}
