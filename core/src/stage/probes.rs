@@ -138,8 +138,8 @@ fn rule<W: Word>(axes: &Axes<W>, spread: Option<Mantissa<W>>, p: &Precision) -> 
     Rule { count, capped, beyond }
 }
 
-/// Least N for which N − `more` times λ₂ reaches the threshold, which is above 0; whether it is more than the profile has; and how far the threshold
-/// is above the multiple before it.
+/// Least N for which N − `more` times λ₂ reaches the threshold; whether it is more than the profile has; and how far the threshold is above the multiple
+/// before it. A backend that does not branch comes here with any threshold.
 #[inline(always)]
 fn count<W: Word>(
     minor: Wide<W, MULTIPLE>,
@@ -149,9 +149,14 @@ fn count<W: Word>(
 ) -> (Int<W>, W::Flag, Wide<W, MULTIPLE>) {
     match p.probe_rule {
         ProbeRule::Ceiling => {
-            // Fewest probes of a threshold above 0, and how many more there may be.
+            // Fewest probes of a threshold above 0, and how many more there may be. A threshold that is not above 0 has one.
             let fewest = (1 + more).min(p.max_probes);
-            let (mut count, mut beyond) = (Fx::int(fewest.into()), threshold);
+            let first = if more == 0 {
+                Fx::int(1)
+            } else {
+                Fx::select(Fx::zero().lt(threshold), Fx::int(fewest.into()), Fx::int(1))
+            };
+            let (mut count, mut beyond) = (first, threshold);
             let mut left = p.max_probes - fewest;
             // Half of what is left at a time: largest multiple of λ₂ below the rest.
             for _ in 0..MAX_PROBES.ilog2() {

@@ -87,6 +87,16 @@ fn a_fragment_takes_hardly_more_cycles_than_the_multipliers_need() {
 }
 
 #[test]
+fn normalisers_of_one_wire_are_those_of_several_and_take_their_exponents() {
+    let summary = fold(Design::Reflection, &folded_options("narrow", FULL, 8)).summary();
+    let uses = summary.units.iter().filter(|unit| unit.name.starts_with("normaliser")).map(|unit| unit.uses);
+    // Some have four wires, three, two, most have one.
+    assert!(uses.clone().max() >= Some(41) && uses.sum::<u32>() == 48, "{summary:?}");
+    // Each would have three operations for its exponent.
+    assert!(summary.glue < 700, "{summary:?}");
+}
+
+#[test]
 fn every_design_can_be_folded() {
     Design::ALL.par_iter().for_each(|&design| {
         for multipliers in [1, 3] {
