@@ -159,7 +159,7 @@ fn count<W: Word>(
             let (mut count, mut beyond) = (first, threshold);
             let mut left = p.max_probes - fewest;
             // Half of what is left at a time: largest multiple of λ₂ below the rest.
-            for _ in 0..MAX_PROBES.ilog2() {
+            for _ in 0..=MAX_PROBES.ilog2() {
                 let taken = (left + 1) >> 1;
                 let multiple = multiple::<W>(minor, taken);
                 let wider = if taken == 0 { never::<W>() } else { multiple.lt(beyond) };

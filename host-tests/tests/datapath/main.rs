@@ -18,6 +18,7 @@ mod lit_lanes;
 mod lit_peak;
 mod moments;
 mod peaks;
+mod probe_count;
 mod properties;
 mod backends;
 mod scanline;
