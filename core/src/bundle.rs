@@ -26,16 +26,16 @@ pub struct Field {
     pub keeps: Keeps,
     /// A letter for each of its components; empty if numbers or x, y, z serve.
     pub components: &'static str,
-    /// How often the value of an input changes.
+    /// Rate at which the value of an input changes.
     pub per: Per,
 }
 
-/// How often the value of an input changes. A field inside a field with [`Per::Object`] changes as rarely.
+/// Rate at which the value of an input changes. A field inside a field with [`Per::Object`] changes as rarely.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Per {
-    /// With each fragment, sample or channel.
+    /// Changes with each fragment, sample or channel.
     Fragment,
-    /// At most with the object: a constant of its maps or its material, which hardware may keep in a register.
+    /// Changes with the object at most: a constant of its maps or its material, which hardware may keep in a register.
     Object,
 }
 

@@ -10,9 +10,9 @@ use crate::pin::Pin;
 /// Footprints of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Footprint {
-    /// On the plane of a cube face.
+    /// Footprint on the plane of a cube face.
     Face,
-    /// On the sphere.
+    /// Footprint on the sphere.
     Sphere,
 }
 

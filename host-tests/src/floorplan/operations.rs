@@ -17,7 +17,7 @@ const BOX_SIGMA: f32 = 0.288_675_13;
 const DIAMETER: f32 = 3.464_101_6;
 /// λ₁ beyond which the step is clamped, map units.
 const LONGEST_SIGMA: f32 = 2.0;
-/// Most probes.
+/// Probes of a footprint at most.
 const MAX_PROBES: f32 = 16.0;
 
 thread_local! {

@@ -27,7 +27,7 @@ const PINS: &str = include_str!("pins.py");
 pub struct Wish {
     /// Seed of the placer.
     pub seed: u32,
-    /// Most minutes.
+    /// Minutes after which a run is ended.
     pub minutes: u32,
 }
 

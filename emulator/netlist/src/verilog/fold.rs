@@ -1,8 +1,10 @@
 //! The folded design: few units that many operations use in turn.
 //!
 //! A flat design begins a fragment each cycle and has a multiplier for every product. A folded one begins a fragment every `interval` cycles, on a
-//! given number of multipliers. Runs of a stage that are the same hardware exist once (`shape`), expensive operations share units (`units`), a modulo
-//! schedule gives each operation its cycle (`tasks`, `schedule`), and `text` writes the top. `machine` runs the schedule in integers, `slots` lists it.
+//! given number of multipliers. Runs of a stage that are the same hardware exist once (`shape`). Expensive operations share units (`units`), which are
+//! joined (`compound`) and take in what stands next to them (`grow`). A modulo schedule gives each operation its cycle (`tasks`, `schedule`), an
+//! exchange of operations finds the units with the fewest choices (`binding`), and `text` writes the top with its `registers`. `machine` runs the
+//! schedule in integers, `slots` lists it.
 
 mod binding;
 mod compound;
@@ -82,8 +84,8 @@ pub(super) fn write(
             }
         }
     }
-    for ((ring, text), _) in registers::RINGS.into_iter().zip(top.uses_rings).filter(|(_, is_used)| *is_used) {
-        files.insert(format!("{ring}.v"), text.to_owned());
+    if top.uses_ring {
+        files.insert(format!("{}.v", registers::RING), include_str!("templates/ring.v").to_owned());
     }
     files.insert(format!("{name}.v"), top.text);
     files.insert(format!("{name}.slots.txt"), folded.slot_table());

@@ -106,7 +106,7 @@ endmodule
     )
 }
 
-/// What a read returns after every bit was written.
+/// Value that a read returns after every bit was written.
 fn all_ones(register: &Register) -> u32 {
     if register.signed { u32::MAX } else { u32::MAX >> (32 - register.width.min(32)) }
 }

@@ -8,7 +8,7 @@ use super::super::share::{Local, Operand};
 use crate::builder::{self, NamedWire};
 use crate::graph::{Net, NodeId, Op};
 
-/// What an input or a place of a unit holds for one use.
+/// Content of an input or a place of a unit for one use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     /// Value of a node, which the use reads or makes.
@@ -97,7 +97,7 @@ struct Special {
     local: Local,
     /// Input of the compound for each input that is left.
     inputs: Vec<usize>,
-    /// For each place of the compound the place, input or constant that has its value.
+    /// Place, input or constant that has the value of each place of the compound.
     places: Vec<Operand>,
 }
 

@@ -167,7 +167,7 @@ impl Growth<'_> {
         found
     }
 
-    /// What a step saves.
+    /// Gain of a step: lookup tables that it saves, in units of a sixth.
     fn gain(&self, candidate: &Candidate) -> i64 {
         let Candidate { step, members, .. } = candidate;
         let compound = &self.compounds[candidate.compound];
@@ -242,8 +242,8 @@ impl Growth<'_> {
                 own.inputs[input] = Content::Node(wire);
             }
         }
-        let kinds = members[0].1;
-        for (operand, wire) in step.operation.operands.iter().zip(net.node(kinds).op.operands()) {
+        // Any member shows the kinds of the inputs.
+        for (operand, wire) in step.operation.operands.iter().zip(net.node(members[0].1).op.operands()) {
             if let &Operand::Input(input) = operand {
                 let kind = net.node(wire).kind;
                 if input < compound.local.inputs.len() {

@@ -12,11 +12,8 @@ use super::shape::Join;
 use super::text::Writer;
 use crate::graph::{NodeId, Op};
 
-/// Modules of rings with their text: in lookup tables, and in a block memory.
-pub(super) const RINGS: [(&str, &str); 2] = [
-    ("roughxel_ring", include_str!("../templates/ring.v")),
-    ("roughxel_block_ring", include_str!("../templates/block_ring.v")),
-];
+/// Name of the module of a ring.
+pub(super) const RING: &str = "roughxel_ring";
 
 /// Least bits of a ring that is worth a block memory.
 const BLOCK_BITS: u32 = 40;
@@ -53,13 +50,11 @@ impl Writer<'_> {
             let outs = joined(wires.iter().map(|(wire, _)| wire.name.as_str()).collect());
             let places = (depth - 1).ilog2() + 1;
             self.register_bits += places;
-            let kind = usize::from(width >= BLOCK_BITS);
-            self.uses_rings[kind] = true;
+            let block = u32::from(width >= BLOCK_BITS);
             writeln!(
                 text,
-                "  {} #(.WIDTH({width}), .DEPTH({depth}), .PLACES({places})) u_ring_{phase}_{depth} (\n    \
-                 .clk(clk), .rst(rst), .enable(take[{phase}]),\n    .in({ins}),\n    .out({outs})\n  );",
-                RINGS[kind].0
+                "  {RING} #(.WIDTH({width}), .DEPTH({depth}), .PLACES({places}), .BLOCK({block})) u_ring_{phase}_{depth} (\n    \
+                 .clk(clk), .rst(rst), .enable(take[{phase}]),\n    .in({ins}),\n    .out({outs})\n  );"
             )?;
         }
         Ok(text)
@@ -115,6 +110,7 @@ impl Writer<'_> {
             let enable = enable(&phases);
             writeln!(always, "  always @(posedge clk)\n    if ({enable}) begin\n{moves}    end")?;
         }
+        self.uses_ring = !waiting.is_empty();
         always += &self.rings(waiting)?;
         Ok(always)
     }

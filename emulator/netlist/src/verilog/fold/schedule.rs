@@ -57,12 +57,8 @@ struct Scheduler<'a> {
     depth: u32,
     target: Target,
     schedule: Schedule,
-    /// Units of each kind that are taken, by phase.
-    taken: Vec<Vec<Vec<bool>>>,
-    /// Wires that units already read: kind, unit, place among the reads of a task, wire.
-    sources: BTreeSet<(usize, u32, usize, NodeId)>,
-    /// Inputs that units of each kind besides the first one have.
-    narrow: Vec<BTreeSet<usize>>,
+    /// Number of units of each kind that are taken, by phase.
+    taken: Vec<Vec<u32>>,
 }
 
 impl Scheduler<'_> {
@@ -121,71 +117,21 @@ impl Scheduler<'_> {
         true
     }
 
-    /// Takes the first slots from a cycle on that are free for each run, if there are any on units that need no other inputs for it.
+    /// Takes the first slots from a cycle on that are free for each run, on any units: [`super::binding`] finds better ones.
     fn slot(&mut self, task: Task, kind: usize, number: usize, from: u32) -> Option<u32> {
         let (interval, copies) = (self.schedule.interval, self.copies(task));
         let apart = stride(interval, copies);
         let phases = |cycle: u32| (0..copies).map(move |run| ((cycle + run * apart) % interval) as usize);
-        let reads: Vec<(usize, NodeId)> = self.kinds[kind].uses[number].reads().collect();
-        let all = 0..self.schedule.units[kind];
-        let fitting: Vec<u32> = all
-            .clone()
-            .filter(|&unit| unit == 0 || reads.iter().all(|(place, _)| self.narrow[kind].contains(place)))
-            .collect();
-        let free = |phase: usize, units: &[u32]| {
-            units.iter().copied().filter(|&unit| !self.taken[kind][phase][unit as usize]).collect::<Vec<u32>>()
-        };
-        let find = |units: &[u32]| {
-            (from..from + interval).find(|&cycle| phases(cycle).all(|phase| !free(phase, units).is_empty()))
-        };
-        let (cycle, units) = match find(&fitting) {
-            Some(cycle) => (cycle, fitting),
-            None => {
-                let all: Vec<u32> = all.collect();
-                (find(&all)?, all)
-            }
-        };
-        let mut bound = Vec::new();
+        let is_free = |cycle: &u32| phases(*cycle).all(|phase| self.taken[kind][phase] < self.schedule.units[kind]);
+        let cycle = (from..from + interval).find(is_free)?;
+        let mut units = Vec::new();
         for phase in phases(cycle) {
-            // A unit that reads these wires already needs no wider choice; the last unit has the fewest inputs.
-            let known = |unit: u32| {
-                reads.iter().filter(|&&(place, id)| self.sources.contains(&(kind, unit, place, id))).count()
-            };
-            let free = units.iter().copied().filter(|&unit| !self.taken[kind][phase][unit as usize]);
-            let unit = free.max_by_key(|&unit| (known(unit), unit))?;
-            self.taken[kind][phase][unit as usize] = true;
-            for &(place, id) in &reads {
-                self.sources.insert((kind, unit, place, id));
-            }
-            bound.push(unit);
+            units.push(self.taken[kind][phase]);
+            self.taken[kind][phase] += 1;
         }
-        self.schedule.bound.insert((kind, number), bound);
+        self.schedule.bound.insert((kind, number), units);
         Some(cycle)
     }
-}
-
-/// Inputs that units of a kind besides the first one have: those of the uses with the fewest, as many as the first unit has no slots for.
-fn narrow_inputs(shape: &Shape, kind: &UnitKind, units: u32, interval: u32) -> BTreeSet<usize> {
-    let mut uses: Vec<(usize, u32, Vec<usize>)> = Vec::new();
-    for own in &kind.uses {
-        let inputs: Vec<usize> = own.reads().map(|(place, _)| place).collect();
-        uses.push((inputs.len(), shape.copies[own.first() as usize], inputs));
-    }
-    uses.sort();
-    let all: u32 = uses.iter().map(|own| own.1).sum();
-    // Half of the slots of the first unit stay free for those that come at a bad time.
-    let (surplus, mut taken) = (all.saturating_sub(interval / 2), 0);
-    let mut narrow = BTreeSet::new();
-    if units > 1 {
-        for (_, copies, inputs) in uses {
-            if taken >= surplus {
-                break;
-            }
-            taken += copies;
-            narrow.extend(inputs);
-        }
-    }
-    narrow
 }
 
 impl Schedule {
@@ -233,13 +179,10 @@ impl Schedule {
                 }
             })
             .collect();
-        let taken = units.iter().map(|&units| vec![vec![false; units as usize]; interval as usize]).collect();
+        let taken = vec![vec![0; interval as usize]; units.len()];
         let schedule =
             Self { interval, units, cycles: HashMap::new(), bound: HashMap::new(), made: HashMap::new(), last: 0 };
-        let narrow = kinds.iter().zip(&schedule.units);
-        let narrow = narrow.map(|(kind, &units)| narrow_inputs(shape, kind, units, interval)).collect();
-        let sources = BTreeSet::new();
-        let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, taken, sources, narrow };
+        let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, taken };
         for port in shape.net.ports.iter().filter(|port| !shape.joins.contains_key(&port.node)) {
             scheduler.schedule.made.insert(port.node, Made { cycle: 0, levels: 0, kept: true });
         }

@@ -28,8 +28,8 @@ pub(super) struct Top {
     pub(super) interface: Interface,
     pub(super) register_bits: u32,
     pub(super) parts: Parts,
-    /// Rings in which values wait: of lookup tables, of block memories.
-    pub(super) uses_rings: [bool; 2],
+    /// True if a value waits in a ring.
+    pub(super) uses_ring: bool,
 }
 
 /// Sources of one operand of one unit: text to the phases in which it is read.
@@ -49,7 +49,7 @@ pub(super) struct Writer<'a> {
     /// Outcomes of the units, with the bits that somebody reads.
     pub(super) results: BTreeMap<(usize, u32, usize), (Wire, u128)>,
     pub(super) register_bits: u32,
-    pub(super) uses_rings: [bool; 2],
+    pub(super) uses_ring: bool,
 }
 
 /// Choice of a value by the phase: an and-or of the sources. It is zero in other phases, if that is `needed` or there are several sources.
@@ -341,7 +341,7 @@ pub(super) fn top(
         zeros: BTreeSet::new(),
         results: BTreeMap::new(),
         register_bits: 0,
-        uses_rings: [false; 2],
+        uses_ring: false,
     };
     let mut stage = None;
     for &task in &folded.tasks.all {
@@ -440,5 +440,5 @@ pub(super) fn top(
     text += END;
     let register_bits = writer.register_bits + 2 * interval + stages + 2;
     let interface = Interface { module: name.to_owned(), latency, inputs, outputs };
-    Ok(Top { text, interface, register_bits, parts: writer.parts, uses_rings: writer.uses_rings })
+    Ok(Top { text, interface, register_bits, parts: writer.parts, uses_ring: writer.uses_ring })
 }
