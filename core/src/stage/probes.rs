@@ -44,7 +44,7 @@ pub fn probes<W: Word>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Prob
     let Axes { major, direction, .. } = axes;
     let Rule { count, capped, .. } = rule::<W>(axes, None, p);
     let (drawn, saturated) = cut(major);
-    let lod = level_of_detail(axes, (count, capped), Fx::entry(rom::LOG2_DIAMETER), map, p);
+    let lod = level_of_detail(axes, capped, Fx::entry(rom::LOG2_DIAMETER), map, p);
     Probes {
         count,
         step: step(&drawn, direction, count, p),
@@ -65,7 +65,7 @@ pub fn count_and_level<W: Word>(
     p: &Precision,
 ) -> CountAndLevel<W> {
     let Rule { count, capped, beyond } = rule::<W>(axes, Some(spread), p);
-    let level = level_of_detail(axes, (count, capped), Fx::entry(rom::LOG2_TEXEL_ON_SPHERE), map, p);
+    let level = level_of_detail(axes, capped, Fx::entry(rom::LOG2_TEXEL_ON_SPHERE), map, p);
     // Twice the part beyond the last count, over λ₂.
     let beyond = number(beyond, axes.major.e, p.fraction_bits);
     let quotient = beyond.m[0].mul::<MANTISSA, PRODUCT>(half_reciprocal(axes.minor.m[0], p));
@@ -171,7 +171,7 @@ fn count<W: Word>(
         }
         ProbeRule::PowerOfTwo => {
             let mut count = Fx::int(1);
-            let doublings = p.max_probes.max(1).ilog2();
+            let doublings = most_probes(p).ilog2();
             for doubling in 0..doublings {
                 let wider = multiple::<W>(minor, (1 << doubling) - more).lt(threshold);
                 count = Fx::select(wider, Fx::int(2 << doubling), count);
@@ -198,6 +198,15 @@ fn multiple<W: Word>(minor: Wide<W, MULTIPLE>, n: u32) -> Wide<W, MULTIPLE> {
     sum
 }
 
+/// Probe count of every capped footprint.
+#[inline(always)]
+fn most_probes(p: &Precision) -> u32 {
+    match p.probe_rule {
+        ProbeRule::Ceiling => p.max_probes,
+        ProbeRule::PowerOfTwo => 1 << p.max_probes.max(1).ilog2(),
+    }
+}
+
 /// 2√3·λ₁/N along the direction.
 #[inline(always)]
 fn step<W: Word>(
@@ -218,11 +227,11 @@ fn step<W: Word>(
     })
 }
 
-/// log₂ of λ₂ in texels, and of the number of texels.
+/// log₂ of λ₂ in texels or, if it is raised, of λ₁ over the most probes.
 #[inline(always)]
 fn level_of_detail<W: Word>(
     axes: &Axes<W>,
-    (count, raised): (Int<W>, W::Flag),
+    raised: W::Flag,
     log2_diameter: Control<W, LOD>,
     map: &MapScale<W>,
     p: &Precision,
@@ -231,9 +240,9 @@ fn level_of_detail<W: Word>(
     // ±2^13 levels are beyond every map; the saturated exponent fits next to 16 fraction bits.
     let whole = sigma.e.saturate(Fx::int(-(1 << 13)), Fx::int(1 << 13)).to_control::<LOD>();
     let fraction: Control<W, LOGARITHM> = log2(sigma.m[0], p);
-    let divided: Control<W, LOD> = Fx::lookup(count, &rom::LOG2_OF_COUNT);
     let diameter = whole + fraction.to_control() + log2_diameter + map.log2_texels;
-    diameter - Fx::select(raised, divided, Fx::zero())
+    let divided = rom::LOG2_OF_COUNT.get(most_probes(p) as usize).copied().unwrap_or(0);
+    diameter - Fx::select(raised, Fx::entry(divided), Fx::zero())
 }
 
 /// Place of probe `index` relative to the centre of the footprint: (2·index − N + 1)·step/2. |·| ≤ 3.5 units.

@@ -93,7 +93,7 @@ const BROKEN: [(&str, OperatorFault, usize, &str); 42] = [
     ("axes", OperatorFault::More, 20, "axes"),
     ("map_scale", OperatorFault::Swapped, 4, "probes"),
     ("probes", OperatorFault::Swapped, 18, "probes"),
-    ("probes", OperatorFault::OrEqual, 17, "probes"),
+    ("probes", OperatorFault::OrEqual, 6, "probes"),
     ("probes", OperatorFault::More, 0, "probes"),
     ("leave", OperatorFault::Swapped, 26, "ellipse"),
     ("leave", OperatorFault::Less, 1, "frame"),

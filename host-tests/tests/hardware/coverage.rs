@@ -125,9 +125,7 @@ fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_an
         for table in &of.tables {
             let (name, entries) = (format!("{} of {}", table.table, of.datapath), table.entries);
             assert_eq!(table.read.found, table.read.all, "{name}");
-            // A footprint is blurred only if it asks for more probes than there are, so only one of the entries is effectively read.
-            let missed = if table.table == "rom_log2_of_count" { 14 } else { 0 };
-            assert_eq!(entries.all - entries.found, missed, "{name}");
+            assert_eq!(entries.found, entries.all, "{name}");
 
             // The sets of the modules that read a table detect all of its entries together.
             let readers = stages.iter().filter(|stage| stage.datapath == of.datapath);
@@ -139,7 +137,7 @@ fn every_entry_of_every_table_off_by_a_last_place_is_shown_by_the_sets_for_it_an
             };
             let by_none = readers.map(not_shown).reduce(|a, b| &a & &b).expect("a stage");
             let may_be: HashSet<String> = of.equal_entries.iter().cloned().collect();
-            assert_eq!((&by_none - &may_be).len(), missed, "{name}, stages alone: {by_none:?}");
+            assert!(by_none.is_subset(&may_be), "{name}, stages alone: {by_none:?}");
         }
     }
 }

@@ -21,13 +21,12 @@ pub struct Rom {
 impl Rom {
     /// The ROM of a table; `None` for a table the datapath does not have.
     pub fn new(table: Table) -> Option<Self> {
-        let named: [(&'static str, &'static [i32]); 14] = [
+        let named: [(&'static str, &'static [i32]); 13] = [
             ("log2", &rom::LOG2),
             ("exp2", &rom::EXP2),
             ("half_log2_one_minus_ratio", &rom::HALF_LOG2_ONE_MINUS_RATIO),
             ("half_log2_one_plus_ratio", &rom::HALF_LOG2_ONE_PLUS_RATIO),
             ("step_per_sigma", &rom::STEP_PER_SIGMA),
-            ("log2_of_count", &rom::LOG2_OF_COUNT),
             ("box_weights", &rom::BOX_WEIGHTS),
             ("gaussian_weights", &rom::GAUSSIAN_WEIGHTS),
             ("spread_limit", &rom::SPREAD_LIMIT),
