@@ -11,7 +11,7 @@
 //! | mul by a constant of d digits | 2 for each level of an adder tree of d rows |
 //! | shift by a count | a select for each bit of the count |
 //! | leading zeros of w bits | ⌈log₂ w⌉ − 1 |
-//! | table of n entries | ⌈log₂ n⌉ − 3, at least 1 |
+//! | table of n entries | ⌈log₂ n⌉ − 3, at least 1; above 64 entries it is a block memory, and these levels are behind the edge that reads it |
 //! | and, or, xor, select | 1 |
 //! | choice among n wires by the phase | ⌈½ log₂ n⌉ + 1 |
 
@@ -110,6 +110,11 @@ impl Target {
             Unit::Table { entries } => log2_above(entries).saturating_sub(3).max(1),
             Unit::Mask | Unit::Logic { .. } | Unit::Select { .. } => 1,
         }
+    }
+
+    /// True if a clock edge is between the operands of a unit and its outcome: a block memory is read at an edge.
+    pub fn is_clocked(self, unit: Unit) -> bool {
+        self != Self::Asic && matches!(unit, Unit::Table { entries } if entries > 64)
     }
 
     /// Levels of a choice among some wires by the phase.

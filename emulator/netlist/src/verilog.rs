@@ -155,7 +155,8 @@ impl Verilog {
         let depth = context.depth;
         if let Some((bits, outermost)) = options.stream.zip(verilog.outermost()) {
             let clock = options.clock.unwrap_or_else(|| options.target.clock_mhz(depth));
-            let shell = Shell::new(outermost, &verilog.files[&format!("{}.v", outermost.module)], bits, clock, &origin);
+            let text = &verilog.files[&format!("{}.v", outermost.module)];
+            let shell = Shell::new(outermost, verilog.fold.is_none(), text, bits, clock, &origin);
             verilog.files.extend(shell::modules(&shell));
             verilog.files.extend(shell::tool_files(&shell, &verilog.files));
             verilog.shell = Some(shell);

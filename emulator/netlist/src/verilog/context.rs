@@ -32,6 +32,11 @@ impl Context<'_> {
         self.target.levels(unit, self.depth.unwrap_or(0))
     }
 
+    /// True if a clock edge is between the operands of an operation and its outcome.
+    pub(super) fn is_clocked(&self, id: NodeId) -> bool {
+        self.target.is_clocked(self.net.node(id).op.unit(self.ranges, id))
+    }
+
     /// Least depth at which no operation is too deep.
     pub(super) fn least_depth(&self) -> u32 {
         let all = 0..self.net.nodes.len() as NodeId;

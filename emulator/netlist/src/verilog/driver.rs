@@ -130,10 +130,11 @@ impl<'a> Body<'a> {
 
     /// Resolves every node to a value and places every wire at a rank.
     pub(super) fn place(&mut self, inputs: &[NodeId]) -> Result<(), VerilogError> {
-        let mut arrival: HashMap<NodeId, u32> = HashMap::new();
+        // First rank at which a wire can be read, and levels before it there.
+        let mut arrivals: HashMap<NodeId, (u32, u32)> = HashMap::new();
         for &input in inputs {
             self.ranks.insert(input, 0);
-            arrival.insert(input, 0);
+            arrivals.insert(input, (0, 0));
         }
         for &id in self.nodes {
             if self.constant(id).is_some() {
@@ -143,31 +144,30 @@ impl<'a> Body<'a> {
                 self.values.insert(id, value);
                 continue;
             }
-            let bases: Vec<NodeId> = self
-                .operands(self.driver(id), 1)
-                .into_iter()
-                .filter_map(|(operand, _)| match self.value(operand) {
-                    Value::Bits(view) => Some(view.base),
-                    Value::Constant(_) => None,
-                })
-                .collect();
-            let mut rank = bases.iter().map(|base| self.ranks[base]).max().unwrap_or(0);
-            let there = bases.iter().filter(|base| self.ranks[base] == rank).map(|base| arrival[base]);
+            let operands = self.operands(self.driver(id), 1).into_iter();
+            let bases = operands.filter_map(|(operand, _)| match self.value(operand) {
+                Value::Bits(view) => Some(view.base),
+                Value::Constant(_) => None,
+            });
+            let (mut rank, before) = bases.map(|base| arrivals[&base]).max().unwrap_or((0, 0));
             let levels = self.levels(id);
-            let mut time = there.max().unwrap_or(0) + levels;
+            let mut arrival = (rank, before + levels);
             if let Some(depth) = self.context.depth {
                 if levels > depth {
                     let origin = self.context.net.origin(id);
                     let least = self.context.least_depth();
                     return Err(VerilogError::TooDeep { operation: self.op(id).name(), levels, depth, least, origin });
                 }
-                if time > depth {
-                    (rank, time) = (rank + 1, levels);
+                if self.context.is_clocked(id) {
+                    arrival = (rank + 1, levels);
+                } else if before + levels > depth {
+                    rank += 1;
+                    arrival = (rank, levels);
                 }
             }
             self.ranks.insert(id, rank);
-            arrival.insert(id, time);
-            self.last_rank = self.last_rank.max(rank);
+            arrivals.insert(id, arrival);
+            self.last_rank = self.last_rank.max(arrival.0);
         }
         Ok(())
     }

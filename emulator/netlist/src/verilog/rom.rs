@@ -150,32 +150,43 @@ pub(super) fn count_bits(most: u32) -> u32 {
     (32 - most.leading_zeros()).max(1)
 }
 
-/// Module `leading_zeros_40`: a binary search for the highest one.
+/// Module `leading_zeros_40`: a tree over groups of four bits. A level of it is one lookup table of four inputs.
 pub(super) fn leading_zeros(width: u32) -> String {
     let name = format!("leading_zeros_{width}");
-    let bits = count_bits(width);
-    // One place more than the value, so that the search always finds a one.
+    let bits = count_bits(width).max(2);
+    // One place more than the value, so that there always is a one.
     let places = 1_u32 << bits;
-    let about =
-        [format!("Zeros above the highest one of {width} bits; {width} where there is none."), "Binary search.".into()];
+    let about = [
+        format!("Zeros above the highest one of {width} bits; {width} where there is none."),
+        "zN_G: group G of 2^N bits, counted from the top, is zero; cN_G: zeros above its highest one.".into(),
+    ];
     let mut text = header(&name, &about);
     text += &format!(
         "module {name} (\n  input  wire {}value,\n  output wire {}count\n);\n\n",
         vector(width, false),
-        vector(bits, false)
+        vector(count_bits(width), false)
     );
-    let padding = places - width;
-    text += &format!("  wire [{}:0] w{bits} = {{value, {{{padding}{{1'b1}}}}}};\n", places - 1);
-    for step in (1..bits).rev() {
-        let (from, half) = (step + 1, 1_u32 << step);
-        let (upper, lower) = (format!("w{from}[{}:{half}]", 2 * half - 1), format!("w{from}[{}:0]", half - 1));
-        text += &format!("  wire z{step} = {upper} == {};\n", literal(0, half));
-        text += &format!("  wire [{}:0] w{step} = z{step} ? {lower} : {upper};\n", half - 1);
+    text += &format!("  wire [{}:0] w = {{value, {{{}{{1'b1}}}}}};\n", places - 1, places - width);
+    for group in 0..places >> 2 {
+        let low = places - 4 - 4 * group;
+        let [d, c, b] = [low + 3, low + 2, low + 1];
+        if bits > 2 {
+            text += &format!("  wire z2_{group} = w[{d}:{low}] == 4'd0;\n");
+        }
+        text += &format!("  wire [1:0] c2_{group} = {{w[{d}:{c}] == 2'd0, ~w[{d}] & (w[{c}] | ~w[{b}])}};\n");
     }
-    // One of the last two bits is set.
-    text += "  wire z0 = w1 == 2'd1;\n";
-    let count: Vec<String> = (0..bits).rev().map(|step| format!("z{step}")).collect();
-    text + &format!("  assign count = {{{}}};\n{END}", count.join(", "))
+    for step in 2..bits {
+        let next = step + 1;
+        for group in 0..places >> next {
+            let [first, second] = [2 * group, 2 * group + 1];
+            if next < bits {
+                text += &format!("  wire z{next}_{group} = z{step}_{first} & z{step}_{second};\n");
+            }
+            let rest = format!("z{step}_{first} ? c{step}_{second} : c{step}_{first}");
+            text += &format!("  wire [{step}:0] c{next}_{group} = {{z{step}_{first}, {rest}}};\n");
+        }
+    }
+    text + &format!("  assign count = c{bits}_0{};\n{END}", if width < 2 { "[0]" } else { "" })
 }
 
 /// Name of the delay line.

@@ -68,11 +68,14 @@ pub(super) fn text(shell: &Shell) -> String {
     } else {
         format!("\n  // Bits that fill the last word.\n  wire unused = &{{1'b0, words[IN_WORDS*WIDTH-1:{in_bits}]}};\n")
     };
+    let (slice, made) = if shell.waits { (include_str!("../templates/axis_wait.v"), "made") } else { ("", "out") };
     let ports = connections(&streamed, "words")
         + &connections(&shell.constants(), "constants")
-        + &connections(&shell.design.outputs, "out_bits");
+        + &connections(&shell.design.outputs, &format!("{made}_bits"));
     let values = [
         ("NAME", shell.axis.clone()),
+        ("SLICE", slice.to_owned()),
+        ("MADE", made.to_owned()),
         ("MODULE", format!("  {}", shell.design.module)),
         ("WIDTH", width.to_string()),
         ("IN_WORDS", in_words.to_string()),

@@ -39,6 +39,9 @@ pub struct Shell {
     /// Design, profile and effects in a sentence.
     #[serde(skip)]
     pub(super) origin: String,
+    /// True if an outcome waits in a register before it becomes words. A pipeline moves as a whole, so that its enable must not depend on a word.
+    #[serde(skip)]
+    pub(super) waits: bool,
     /// Release of the generator, for files that have a version.
     #[serde(skip)]
     pub(super) version: &'static str,
@@ -60,8 +63,16 @@ pub(super) fn padded(expression: &str, bits: u32, width: u32) -> String {
 }
 
 impl Shell {
-    /// The shell of a design with words of `stream_bits`. `text` is the Verilog of the design, whose hash is in a register.
-    pub(crate) fn new(design: &Interface, text: &str, stream_bits: u32, clock_mhz: f64, origin: &str) -> Self {
+    /// The shell of a design with words of `stream_bits`. `text` is the Verilog of the design, whose hash is in a register; a pipeline takes a fragment
+    /// each cycle.
+    pub(crate) fn new(
+        design: &Interface,
+        is_pipeline: bool,
+        text: &str,
+        stream_bits: u32,
+        clock_mhz: f64,
+        origin: &str,
+    ) -> Self {
         let mut design = design.clone();
         // A packet has at least a word: a design of constants alone takes them from the stream.
         if design.inputs.iter().all(|port| port.constant) {
@@ -85,6 +96,8 @@ impl Shell {
             inputs: streamed.iter().map(|port| port.name.clone()).collect(),
             registers,
             driven: Interface { module: name("bfm"), latency, ..design.clone() },
+            // With one word to an outcome it would halve the rate.
+            waits: is_pipeline && output_words > 1,
             design,
             origin: origin.to_owned(),
             version: env!("CARGO_PKG_VERSION"),

@@ -39,9 +39,9 @@ module @NAME@ (
   wire out_valid;
   wire out_ready;
   wire [@OUT_BITS@-1:0] out_bits;
-@MODULE@ u_design (
+@SLICE@@MODULE@ u_design (
     .clk(aclk), .rst(~aresetn),
-    .in_valid(full), .in_ready(in_ready), .out_valid(out_valid), .out_ready(out_ready)@CONNECTIONS@
+    .in_valid(full), .in_ready(in_ready), .out_valid(@MADE@_valid), .out_ready(@MADE@_ready)@CONNECTIONS@
   );
 
   // ---- an output to words ----
