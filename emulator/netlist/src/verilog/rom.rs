@@ -166,11 +166,15 @@ pub(super) fn leading_zeros(width: u32) -> String {
         vector(width, false),
         vector(count_bits(width), false)
     );
-    text += &format!("  wire [{}:0] w = {{value, {{{}{{1'b1}}}}}};\n", places - 1, places - width);
+    // The last one is below every bit that is read.
+    let ones = places - width - 1;
+    let padded = if ones == 0 { "value".to_owned() } else { format!("{{value, {{{ones}{{1'b1}}}}}}") };
+    text += &format!("  wire [{}:1] w = {padded};\n", places - 1);
     for group in 0..places >> 2 {
         let low = places - 4 - 4 * group;
         let [d, c, b] = [low + 3, low + 2, low + 1];
-        if bits > 2 {
+        // Nobody asks whether a last group is zero.
+        if low > 0 {
             text += &format!("  wire z2_{group} = w[{d}:{low}] == 4'd0;\n");
         }
         text += &format!("  wire [1:0] c2_{group} = {{w[{d}:{c}] == 2'd0, ~w[{d}] & (w[{c}] | ~w[{b}])}};\n");
@@ -179,7 +183,7 @@ pub(super) fn leading_zeros(width: u32) -> String {
         let next = step + 1;
         for group in 0..places >> next {
             let [first, second] = [2 * group, 2 * group + 1];
-            if next < bits {
+            if group + 1 < places >> next {
                 text += &format!("  wire z{next}_{group} = z{step}_{first} & z{step}_{second};\n");
             }
             let rest = format!("z{step}_{first} ? c{step}_{second} : c{step}_{first}");
