@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::Failure;
 use crate::image::{self, Image};
 use crate::measure::ALL_EFFECTS;
 use crate::price;
 use crate::target::Target;
+use crate::{Failure, clocks};
 
 /// Table with one entry made wrong; every reflection reads it.
 const WRONG_TABLE: &str = "reciprocal::T10";
@@ -20,6 +20,7 @@ const PRODUCT: [(&str, usize); 2] =
 
 /// Runs everything on these targets.
 pub fn run(targets: &[Target]) -> Result<(), Failure> {
+    clocks::hold()?;
     let names: Vec<&str> = targets.iter().map(|target| target.name()).collect();
     eprintln!("building for {}: the first time takes minutes", names.join(", "));
     Target::build_each(targets, "check", "empty", "standard")?;

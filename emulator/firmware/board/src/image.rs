@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
+use object::{Object, ObjectSection, ObjectSegment, ObjectSymbol, SectionFlags, SymbolKind, elf};
 
 use crate::Failure;
 
@@ -20,6 +20,21 @@ pub fn instructions(path: &Path, function: &str) -> Result<Vec<u32>, Failure> {
     });
     let code = code.ok_or_else(|| trouble(&format!("no code of {function}")))?;
     Ok(code.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect())
+}
+
+/// Memory of a program from its first address on, a word a line in hexadecimal digits.
+pub fn words(path: &Path) -> Result<String, Failure> {
+    let trouble = |error: &dyn std::fmt::Display| Failure::trouble(format!("{}: {error}", path.display()));
+    let file = std::fs::read(path).map_err(|error| trouble(&error))?;
+    let elf = object::File::parse(&*file).map_err(|error| trouble(&error))?;
+    let mut memory = Vec::new();
+    let first = elf.segments().map(|segment| segment.address()).min().ok_or_else(|| trouble(&"nothing to load"))?;
+    for segment in elf.segments() {
+        let (place, data) = ((segment.address() - first) as usize, segment.data().map_err(|error| trouble(&error))?);
+        memory.resize(memory.len().max((place + data.len()).next_multiple_of(4)), 0);
+        memory[place..place + data.len()].copy_from_slice(data);
+    }
+    Ok(memory.as_chunks().0.iter().map(|bytes| format!("{:08x}\n", u32::from_le_bytes(*bytes))).collect())
 }
 
 /// Measures of a linked program.
