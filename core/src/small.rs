@@ -7,10 +7,14 @@
 //! - Unused results are not computed.
 //! - Without a multiplier, products of narrow words come from a table of quarter squares, and products of wide words from adds.
 
+mod product;
+
 use crate::each::each;
 use crate::rom::upper;
 use crate::staged::Staged;
 use crate::word::{WideWire, Wire, Word};
+
+pub use product::{product_by_adds, product_by_table};
 
 /// Leading zeros of 8 bits; 8 for 0.
 static LEADING_ZEROS: [u8; 256] = {
@@ -51,55 +55,6 @@ fn leading_zeros(x: u32) -> u32 {
     } else {
         x.leading_zeros()
     }
-}
-
-/// ⌊n²/4⌋ at the place n + 1024: x·y is the difference between the entries for x + y and x − y.
-static QUARTERS_OF_SQUARES: [u32; 2048] = {
-    let mut table = [0; 2048];
-    let mut place = 0;
-    while place < 2048 {
-        let n = place as i32 - 1024;
-        table[place] = ((n * n) >> 2) as u32;
-        place += 1;
-    }
-    table
-};
-
-/// Product of two signed 16-bit numbers: three products of their halves by a table of quarter squares (Karatsuba).
-#[inline(never)]
-pub fn product_by_table(a: i32, b: i32) -> i32 {
-    // Both factors within ±383: their sum and difference are inside the table.
-    let product = |x: i32, y: i32| {
-        let quarter = |n: i32| QUARTERS_OF_SQUARES[((n + 1024) & 2047) as usize];
-        quarter(x + y).wrapping_sub(quarter(x - y)) as i32
-    };
-    let (a_high, a_low) = (i32::from((a >> 8) as i8), i32::from(a as u8));
-    let (b_high, b_low) = (i32::from((b >> 8) as i8), i32::from(b as u8));
-    let (highs, lows) = (product(a_high, b_high), product(a_low, b_low));
-    let across = highs + lows - product(a_high - a_low, b_high - b_low);
-    (highs << 16).wrapping_add(across << 8).wrapping_add(lows)
-}
-
-/// Product of two 32-bit numbers, by as many adds as one of them has bits.
-#[inline(never)]
-pub fn product_by_adds(a: i32, b: i32) -> i64 {
-    let factor = a.unsigned_abs();
-    // Bits of the other factor leave at the bottom as those of the product enter at the top. A shift at the end stands for the bits that a short
-    // factor (a texel, a probe number) does not have.
-    let (mut top, mut bottom) = (0_u32, b.unsigned_abs());
-    let bits = match bottom {
-        0..=0xff => 8,
-        0x100..=0xffff => 16,
-        _ => 32,
-    };
-    for _ in 0..bits {
-        // The factor is 2^31 at most and the sum so far below it.
-        let sum = if bottom & 1 == 0 { top } else { top.wrapping_add(factor) };
-        bottom = bottom >> 1 | sum << 31;
-        top = sum >> 1;
-    }
-    let product = ((u64::from(top) << 32 | u64::from(bottom)) >> (32 - bits)) as i64;
-    if (a ^ b) < 0 { product.wrapping_neg() } else { product }
 }
 
 /// True if an instruction makes products.
@@ -356,20 +311,24 @@ fn from_pairs<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u
 #[cold]
 #[inline(never)]
 fn from_both<const N: usize>(wires: [WideFull; N], zeros: u32, drop: u32, up: u32) -> ([Full; N], Full, bool) {
-    if zeros < 32 {
+    // A sign may lie in the upper register and its word in the lower one: a pair, too.
+    if zeros < 32 || (lower_magnitude(&wires) as i32) < 0 {
         return from_pairs(wires, zeros, drop, up);
     }
-    // The upper registers hold signs alone.
-    let mut magnitude = 0;
-    for wire in &wires {
-        magnitude |= low(wire.0) ^ high(wire.0) as u32;
-    }
+    let magnitude = lower_magnitude(&wires);
     let zeros = leading_zeros(magnitude);
     let all_zero = magnitude == 0 && wires.iter().all(|wire| wire.0 == 0);
-    // The shift is one place less than `zeros`, to keep the sign. With no zeros the word therefore lies across both registers.
-    let words = each!(wire in wires => {
-        let top = if zeros == 0 { (wire.0 >> 1) as i32 } else { (low(wire.0) << (zeros - 1)) as i32 };
-        Full(half_up(top >> (drop + up - 33))).shl(up)
-    });
+    // The shift is one place less than `zeros`, to keep the sign.
+    let words = each!(wire in wires => Full(half_up((low(wire.0) << (zeros - 1)) as i32 >> (drop + up - 33))).shl(up));
     (words, Full(32 + zeros as i32), all_zero)
+}
+
+/// Bits of the lower registers that are no signs, if the upper registers hold signs alone.
+#[inline(always)]
+fn lower_magnitude<const N: usize>(wires: &[WideFull; N]) -> u32 {
+    let mut magnitude = 0;
+    for wire in wires {
+        magnitude |= low(wire.0) ^ high(wire.0) as u32;
+    }
+    magnitude
 }

@@ -18,6 +18,24 @@ REGION_ALIAS(\"REGION_HEAP\", RAM);
 REGION_ALIAS(\"REGION_STACK\", RAM);
 ";
 
+/// Program that runs without a start-up library, on soft cores that lack the registers such a library writes.
+const BARE: &str = "clocks";
+/// Its memory: block RAM of a soft core, at the place of QEMU's.
+const BARE_LAYOUT: &str = "ENTRY(_bare)
+SECTIONS {
+    . = 0x80000000;
+    .text : { *(.start) *(.text .text.*) }
+    .rodata : { *(.rodata .rodata.* .srodata .srodata.*) }
+    .data : { *(.data .data.* .sdata .sdata.*) }
+    .bss : { *(.bss .bss.* .sbss .sbss.*) }
+    _stack_top = 0x80040000;
+    /DISCARD/ : { *(.init .init.*) *(.trap .trap.*) }
+}
+";
+
+/// Programs with a start-up library.
+const PROGRAMS: [&str; 4] = ["around", "check", "plan", "stages"];
+
 /// The first two memories of QEMU's `mps2-an385`.
 const CORTEX_M_MEMORY: &str = "MEMORY {
     FLASH : ORIGIN = 0x00000000, LENGTH = 4M
@@ -32,10 +50,14 @@ fn main() {
         let riscv = target("ARCH") == "riscv32";
         fs::write(out.join("memory.x"), if riscv { RISCV_MEMORY } else { CORTEX_M_MEMORY }).expect("it can be written");
         println!("cargo:rustc-link-search={}", out.display());
-        if riscv {
-            println!("cargo:rustc-link-arg=-Tmemory.x");
+        for program in PROGRAMS {
+            if riscv {
+                println!("cargo:rustc-link-arg-bin={program}=-Tmemory.x");
+            }
+            println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
         }
-        println!("cargo:rustc-link-arg=-Tlink.x");
+        fs::write(out.join("bare.x"), BARE_LAYOUT).expect("it can be written");
+        println!("cargo:rustc-link-arg-bin={BARE}=-Tbare.x");
     } else {
         // Without the standard library nothing else names the C library.
         println!("cargo:rustc-link-arg=-lc");

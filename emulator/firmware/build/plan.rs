@@ -9,7 +9,7 @@ use roughxel_core::knob::Knob;
 use roughxel_core::precision::{Precision, Profile};
 
 /// Work of a plan, by the first part of its name: the type of the value that it prepares once, the preparation, and the work on a sample.
-const WORK: [(&str, [&str; 3]); 7] = [
+const WORK: [(&str, [&str; 3]); 8] = [
     ("empty", ["()", "()", "(sample, prepared)"]),
     ("reflection", ["Environment<Plan>", "Plan::environment(SKY_EDGE)", "Plan::reflect(&sample.reflection, prepared)"]),
     ("ports", ["()", "()", "(Plan::reflection(&sample.reflection), prepared)"]),
@@ -23,6 +23,14 @@ const WORK: [(&str, [&str; 3]); 7] = [
     ),
     ("highlight", ["()", "()", "(Plan::highlight(&sample.highlight).f, prepared)"]),
     ("peak", ["()", "()", "(Plan::peak(&sample.peak).peak, prepared)"]),
+    (
+        "float",
+        [
+            "roughxel_f32_baseline::Environment",
+            "roughxel_f32_baseline::Environment::new(SKY_EDGE.into())",
+            "prepared.reflect::<Libm, Careful>(&sample.float)",
+        ],
+    ),
     ("texture", ["Texture<Plan>", "Plan::texture([256; 2])", "Plan::texture_footprint(&sample.texture, prepared)"]),
 ];
 

@@ -41,11 +41,25 @@ pub(crate) fn products_without_a_multiplier_are_exact() {
             assert_eq!(product_by_table(a.into(), b.into()), i32::from(a) * i32::from(b), "{a} {b}");
         }
     }
+    let by_adds = |a: i32, b: i32| assert_eq!(product_by_adds(a, b), i64::from(a) * i64::from(b), "{a} {b}");
     for _ in 0..20_000 {
         let [a, b] = [(); 2].map(|()| of_every_size(&mut random) as i32);
         for factor in [b, i32::MIN, 0, 255, 256, 0xffff, 0x10000] {
             for a in [a, i32::MIN] {
-                assert_eq!(product_by_adds(a, factor), i64::from(a) * i64::from(factor), "{a} {factor}");
+                by_adds(a, factor);
+            }
+            // Without their last ten bits; of one factor alone and of both.
+            by_adds(a >> 10 << 10, factor);
+            by_adds(a >> 10 << 10, factor >> 10 << 10);
+        }
+    }
+    // Every factor of 16 bits at the bottom, in the middle and at the top of a word meets ends of the range and a number of no pattern.
+    let any = random.bits() as i32;
+    for short in i32::from(i16::MIN)..=i32::from(i16::MAX) {
+        for factor in [short, short << 10, short << 16] {
+            for long in [1, i32::MIN, i32::MAX, i32::MIN + 0x400, i32::MAX - 0x3ff, any, any >> 10 << 10] {
+                by_adds(long, factor);
+                by_adds(factor, long);
             }
         }
     }

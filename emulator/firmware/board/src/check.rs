@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::Failure;
-use crate::image::Image;
+use crate::image::{self, Image};
 use crate::measure::ALL_EFFECTS;
 use crate::price;
 use crate::target::Target;
+use crate::{Failure, clocks};
 
 /// Table with one entry made wrong; every reflection reads it.
 const WRONG_TABLE: &str = "reciprocal::T10";
@@ -14,8 +14,13 @@ const WRONG_TABLE: &str = "reciprocal::T10";
 /// Tables that a program with environment mapping alone may hold: the seeds of a reciprocal, and the table for leading zeros.
 const SMALLEST: [&str; 2] = [WRONG_TABLE, "LEADING_ZEROS"];
 
+/// Functions that make a product without a multiplier, with the most shifts that their code may have. Their sources have 0 and 16.
+const PRODUCT: [(&str, usize); 2] =
+    [("small::product::product_by_adds", 0), ("small::product::product_of_magnitudes", 20)];
+
 /// Runs everything on these targets.
 pub fn run(targets: &[Target]) -> Result<(), Failure> {
+    clocks::hold()?;
     let names: Vec<&str> = targets.iter().map(|target| target.name()).collect();
     eprintln!("building for {}: the first time takes minutes", names.join(", "));
     Target::build_each(targets, "check", "empty", "standard")?;
@@ -30,11 +35,33 @@ pub fn run(targets: &[Target]) -> Result<(), Failure> {
             other => return Err(Failure::trouble(format!("on {}: exit code {other}\n{text}", target.name()))),
         }
         wrong_entry(target, &program)?;
+        if target == Target::Riscv32I {
+            few_shifts(&program)?;
+        }
     }
     smallest(&targets.iter().copied().filter(|target| target.is_small()).collect::<Vec<_>>())?;
     if targets.contains(&Target::Riscv32Imac) {
         price::hold(Target::Riscv32Imac)?;
     }
+    Ok(())
+}
+
+/// Checks that a compiler has not turned branches of a product into sign masks, nor unrolled its loops: a core without a multiplier may shift one
+/// place a clock.
+fn few_shifts(program: &Path) -> Result<(), Failure> {
+    for (function, most) in PRODUCT {
+        // Shifts have the major opcode 0x13 or 0x33 and the minor one 1 or 5; bit 30 makes one arithmetic.
+        let is_shift = |code: &u32| matches!(code & 0x7f, 0x13 | 0x33) && matches!(code >> 12 & 7, 1 | 5);
+        let shifts: Vec<u32> = image::instructions(program, function)?.into_iter().filter(is_shift).collect();
+        let masks = shifts.iter().filter(|&code| code >> 30 & 1 == 1).count();
+        if masks > 0 || shifts.len() > most {
+            return Err(Failure::broken(format!(
+                "{function} has {} shifts, {masks} of them arithmetic; at most {most} and none are allowed",
+                shifts.len()
+            )));
+        }
+    }
+    println!("{:12} products without a multiplier: no sign masks", "");
     Ok(())
 }
 

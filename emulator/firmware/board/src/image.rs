@@ -3,9 +3,39 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
+use object::{Object, ObjectSection, ObjectSegment, ObjectSymbol, SectionFlags, SymbolKind, elf};
 
 use crate::Failure;
+
+/// Instructions of a function of the core in a program whose instructions have four bytes each.
+pub fn instructions(path: &Path, function: &str) -> Result<Vec<u32>, Failure> {
+    let trouble = |error: &dyn std::fmt::Display| Failure::trouble(format!("{}: {error}", path.display()));
+    let file = std::fs::read(path).map_err(|error| trouble(&error))?;
+    let elf = object::File::parse(&*file).map_err(|error| trouble(&error))?;
+    let is_named = |name: &str| format!("{:#}", rustc_demangle::demangle(name)) == format!("roughxel_core::{function}");
+    let symbol = elf.symbols().find(|symbol| symbol.name().is_ok_and(is_named));
+    let code = symbol.and_then(|symbol| {
+        let section = elf.section_by_index(symbol.section_index()?).ok()?;
+        section.data_range(symbol.address(), symbol.size()).ok()?
+    });
+    let code = code.ok_or_else(|| trouble(&format!("no code of {function}")))?;
+    Ok(code.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect())
+}
+
+/// Memory of a program from its first address on, a word a line in hexadecimal digits.
+pub fn words(path: &Path) -> Result<String, Failure> {
+    let trouble = |error: &dyn std::fmt::Display| Failure::trouble(format!("{}: {error}", path.display()));
+    let file = std::fs::read(path).map_err(|error| trouble(&error))?;
+    let elf = object::File::parse(&*file).map_err(|error| trouble(&error))?;
+    let mut memory = Vec::new();
+    let first = elf.segments().map(|segment| segment.address()).min().ok_or_else(|| trouble(&"nothing to load"))?;
+    for segment in elf.segments() {
+        let (place, data) = ((segment.address() - first) as usize, segment.data().map_err(|error| trouble(&error))?);
+        memory.resize(memory.len().max((place + data.len()).next_multiple_of(4)), 0);
+        memory[place..place + data.len()].copy_from_slice(data);
+    }
+    Ok(memory.as_chunks().0.iter().map(|bytes| format!("{:08x}\n", u32::from_le_bytes(*bytes))).collect())
+}
 
 /// Measures of a linked program.
 #[derive(Clone, Debug)]

@@ -1,6 +1,7 @@
 //! Builds the firmware for small processors, runs it in QEMU, and tabulates its cost. `cargo firmware --help` from the project's root.
 
 mod check;
+mod clocks;
 mod frames;
 mod image;
 mod knobs;
@@ -30,6 +31,9 @@ cargo firmware price [--quick] [-o FILE]
 cargo firmware price --knobs [-o FILE]
     Writes instructions, bytes and stack of one plan at many settings of the accuracy knobs, and instructions of a probe at every width,
     on the three QEMU machines: emulator/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run resumes.
+cargo firmware clocks
+    Runs the Verilog of soft cores in Verilator and writes clocks a fragment: emulator/firmware/clocks.json, and a part of PRICE.md. The
+    cores are Python packages, which pip installs below emulator/firmware/target. Five minutes on two cores.
 
 Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).
 Rust's targets come from rustup. If it has none, they are built from the sources of the distribution's compiler (Debian: rustc-web
@@ -64,6 +68,7 @@ fn run() -> Result<(), Failure> {
             let named = named?;
             check::run(if named.is_empty() { &Target::ALL } else { &named })
         }
+        Some("clocks") => clocks::run(),
         Some("frames") => frames::run(Target::S390X),
         Some("vectors") => vectors::run(Target::S390X),
         Some("price") => {

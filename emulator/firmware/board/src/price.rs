@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use indicatif::ProgressBar;
 
-use crate::Failure;
 use crate::measure::{self, ALL_EFFECTS, Measured, Numbers};
 use crate::target::{self, Target};
+use crate::{Failure, clocks};
 
 /// Plans, as [`Target::build`] reads them, with a description.
 const PLANS: [(&str, &str); 18] = [
@@ -65,8 +65,14 @@ struct Cost {
 /// Kept table, from the project's root.
 const KEPT: &str = "emulator/firmware/PRICE.md";
 
-fn kept() -> PathBuf {
+/// Path of the kept table.
+pub fn kept() -> PathBuf {
     target::root().join(KEPT)
+}
+
+/// Text of the kept table.
+pub fn table() -> Result<String, Failure> {
+    std::fs::read_to_string(kept()).map_err(|error| Failure::trouble(format!("{KEPT}: {error}")))
 }
 
 /// Prices some plans in `standard` again and compares them with the kept table, which must be right within a thirtieth. A change of a few
@@ -74,7 +80,7 @@ fn kept() -> PathBuf {
 ///
 /// Numbers of another compiler are not compared.
 pub fn hold(target: Target) -> Result<(), Failure> {
-    let table = std::fs::read_to_string(kept()).map_err(|error| Failure::trouble(format!("{KEPT}: {error}")))?;
+    let table = table()?;
     let name = target.name();
     let part =
         Part::for_target(&table, target).ok_or_else(|| Failure::trouble(format!("{KEPT} has no part for {name}")))?;
@@ -149,6 +155,9 @@ pub fn run(quick: bool, file: Option<PathBuf>) -> Result<(), Failure> {
         tabulate(target, profiles, &progress, &mut text)?;
     }
     progress.finish_and_clear();
+    if !quick {
+        text += &clocks::part()?;
+    }
     let file = match (file, quick) {
         (Some(file), _) => file,
         (None, true) => {

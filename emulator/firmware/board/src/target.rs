@@ -13,6 +13,8 @@ use crate::Failure;
 pub enum Target {
     /// RISC-V with multiplier and compressed instructions.
     Riscv32Imac,
+    /// RISC-V with a multiplier alone, for soft cores.
+    Riscv32Im,
     /// RISC-V with neither.
     Riscv32I,
     /// Cortex-M3.
@@ -61,13 +63,14 @@ const HOSTED_PROFILE: [&str; 7] = [
 ];
 
 impl Target {
-    /// Every processor.
+    /// Every processor that is checked and priced.
     pub const ALL: [Self; 5] = [Self::Riscv32Imac, Self::Riscv32I, Self::ThumbV7M, Self::Aarch64, Self::S390X];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Riscv32Imac => "riscv32imac",
+            Self::Riscv32Im => "riscv32im",
             Self::Riscv32I => "riscv32i",
             Self::ThumbV7M => "thumbv7m",
             Self::Aarch64 => "aarch64",
@@ -84,6 +87,7 @@ impl Target {
     fn triple(self) -> &'static str {
         match self {
             Self::Riscv32Imac => "riscv32imac-unknown-none-elf",
+            Self::Riscv32Im => "riscv32im-unknown-none-elf",
             Self::Riscv32I => "riscv32i-unknown-none-elf",
             Self::ThumbV7M => "thumbv7m-none-eabi",
             Self::Aarch64 => "aarch64-unknown-linux-gnu",
@@ -93,7 +97,7 @@ impl Target {
 
     /// Returns true if it has no operating system and runs its own backend.
     pub fn is_small(self) -> bool {
-        matches!(self, Self::Riscv32Imac | Self::Riscv32I | Self::ThumbV7M)
+        matches!(self, Self::Riscv32Imac | Self::Riscv32Im | Self::Riscv32I | Self::ThumbV7M)
     }
 
     /// Returns true if the highest byte of a word comes first.
@@ -112,7 +116,7 @@ impl Target {
             "-display",
             "none",
             "-serial",
-            "null",
+            "stdio",
             "-monitor",
             "none",
             "-no-reboot",
@@ -139,7 +143,7 @@ impl Target {
             "-kernel",
         ];
         match self {
-            Self::Riscv32Imac | Self::Riscv32I => (RISCV, "qemu-system-misc"),
+            Self::Riscv32Imac | Self::Riscv32Im | Self::Riscv32I => (RISCV, "qemu-system-misc"),
             Self::ThumbV7M => (CORTEX_M, "qemu-system-arm"),
             Self::Aarch64 => (&["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"], "qemu-user"),
             Self::S390X => (&["qemu-s390x", "-L", "/usr/s390x-linux-gnu"], "qemu-user"),
