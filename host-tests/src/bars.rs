@@ -85,6 +85,12 @@ pub fn two_lobes() -> Scene {
     two_shapes("zebra", "", &format!("reflectance = 0.7, two_lobes = true, {bumps}"))
 }
 
+/// Plane and ball of rough mirror with two lobes of the law of their map.
+pub fn lobes_of_a_law() -> Scene {
+    let bumps = "height_map = { generate = \"ripples\", size = 64, drops = 3, rms_slope = 0.2 }";
+    two_shapes("zebra", "", &format!("reflectance = 0.7, bump_deviation = \"law\", {bumps}"))
+}
+
 /// Checks the logarithm of a found error against a bound, and the bound against the error: a bound that nothing approaches is not a measured one.
 ///
 /// # Panics
