@@ -32,4 +32,4 @@ pub use light::{
     lit_surface, local_components, local_direction, packed_peak, peak, peak_light, peak_sum,
 };
 pub use reflection::{Reflection, fragment, map_scale, mirrored, reflection, reflection_of};
-pub use surface::{Framed, Surface, framed, lobe_core, surface, surface_in_frame};
+pub use surface::{Framed, LobeLaw, Surface, framed, lobe, lobe_law, surface, surface_in_frame};

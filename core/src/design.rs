@@ -8,7 +8,7 @@ use crate::block::Block;
 use crate::bundle::{Bundle, Value};
 use crate::datapath::pixel::{self, PixelSum};
 use crate::datapath::texel::{self, Bump, BumpMoments, BumpSample, RepeatAddress};
-use crate::datapath::{self, Reflection, TextureFootprint};
+use crate::datapath::{self, LobeLaw, Reflection, TextureFootprint};
 use crate::plan::{Datapath, Effects, HorizonKind};
 use crate::ports::{
     HighlightInput, HighlightOutput, LIGHT, PeakInput, PeakOutput, ReflectionInput, ReflectionOutput, SHARE,
@@ -235,12 +235,16 @@ designs! {
     Modulated "modulated": ModulatedInput -> Value<S, LIGHT>,
         |input, _, _| Value(pixel::modulated::<W>(input.colours[0], input.colours[1]));
 
-    /// the roughness tangents of the core of a lobe
-    LobeCore "lobe_core": LobeCoreInput -> [Block<S, 3>; 2], |input, _, _| datapath::lobe_core(&input.rough);
+    /// weight and widths of two lobes between two levels of a map
+    LobeLaw "lobe_law": LobeLawInput -> LobeLaw<S>,
+        |input, _, _| datapath::lobe_law(&input.fine, &input.coarse, input.level_weight);
 
-    /// the mean of the colours of two lobes of a surface
+    /// the roughness tangents of one of two lobes
+    Lobe "lobe": LobeInput -> [Block<S, 3>; 2], |input, _, p| datapath::lobe(&input.rough, input.width, p);
+
+    /// the weighted mean of the colours of two lobes of a surface
     Lobes "lobes": LobesInput -> Value<S, LIGHT>,
-        |input, _, _| Value(pixel::lobes::<W>(input.colours[0], input.colours[1]));
+        |input, _, _| Value(pixel::lobes::<W>(input.colours, input.weight));
 
     /// one light on a surface: frame, perturb, roughness, half vector, modified Blinn-Phong
     Highlight "highlight" Highlight: HighlightInput -> HighlightOutput<S>,

@@ -8,11 +8,13 @@ mod environment;
 mod golden;
 mod ground;
 mod real_scenes;
+mod reflections;
 
 pub use environment::{CubeEdgeStep, cube_edge_step};
 pub use golden::{GOLDEN_FRAMES, golden_frames};
 pub use ground::{GroundFigures, ground_plane};
 pub use real_scenes::{BEHIND_16_SAMPLES, RealScene, real_scenes};
+pub use reflections::{ROUGH_PHOTOGRAPHS, ReflectionFigures, reflection_figures};
 
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_frame::Prepared;
@@ -81,6 +83,12 @@ pub fn two_shapes(environment: &str, rest: &str, material: &str) -> Scene {
 pub fn two_lobes() -> Scene {
     let bumps = "height_map = { generate = \"waves\", size = 64, highest = 8, rms_slope = 0.2 }";
     two_shapes("zebra", "", &format!("reflectance = 0.7, two_lobes = true, {bumps}"))
+}
+
+/// Plane and ball of rough mirror with two lobes of the law of their map.
+pub fn lobes_of_a_law() -> Scene {
+    let bumps = "height_map = { generate = \"ripples\", size = 64, drops = 3, rms_slope = 0.2 }";
+    two_shapes("zebra", "", &format!("reflectance = 0.7, bump_deviation = \"law\", {bumps}"))
 }
 
 /// Checks the logarithm of a found error against a bound, and the bound against the error: a bound that nothing approaches is not a measured one.

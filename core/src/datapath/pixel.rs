@@ -3,7 +3,7 @@
 use crate::bundle::{Value, bundle};
 use crate::each::each;
 use crate::fx::{Control, Int};
-use crate::ports::{LIGHT, REFLECTANCE};
+use crate::ports::{LIGHT, REFLECTANCE, SHARE};
 use crate::stage::{blend, pixel};
 use crate::staged::{Staged, control_stage, stage};
 
@@ -72,10 +72,10 @@ pub fn bright_reflected<W: Staged>(
     )
 }
 
-/// Mean of the colours of two lobes of a surface.
+/// Weighted mean of the colours of two lobes of a surface; `weight` is that of the first.
 #[inline(always)]
-pub fn lobes<W: Staged>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
-    control_stage!("pixel.lobes", pixel::lobes::<W>(a, b))
+pub fn lobes<W: Staged>(colours: [Control<W, LIGHT>; 2], weight: Control<W, SHARE>) -> Control<W, LIGHT> {
+    control_stage!("pixel.lobes", pixel::lobes::<W>(colours, weight))
 }
 
 bundle! {

@@ -3,10 +3,12 @@
 use crate::block::Block;
 use crate::bundle::{bundle, never};
 use crate::each::each;
+use crate::fx::Control;
 use crate::plan::{FrameSystem, SurfacePlan};
-use crate::ports::{PortBlock, SurfaceInput};
+use crate::ports::{OFFSET, PortBlock, SHARE, SurfaceInput};
 use crate::precision::{Precision, RoughnessKind};
 use crate::signals::TangentFrame;
+use crate::stage::filter::{self, LEVEL_WEIGHT};
 use crate::stage::{enter, frame, perturb, roughness};
 use crate::staged::{Staged, stage};
 
@@ -26,10 +28,38 @@ bundle! {
     }
 }
 
-/// Core of a rough surface's lobe, for surfaces with two lobes: its roughness tangents.
+bundle! {
+    /// Law of a surface with two lobes: the shape of both is that of its roughness.
+    pub struct LobeLaw<W> {
+        /// Weight of the first lobe; that of the second is the rest.
+        #[range(0..=1)]
+        weight: Control<W, SHARE>,
+        /// Width of each lobe relative to the roughness.
+        #[range(0..=4)]
+        widths: [Control<W, OFFSET>; 2],
+    }
+}
+
+/// Law between two levels of a map.
 #[inline(always)]
-pub fn lobe_core<W: Staged>(rough: &[Block<W, 3>; 2]) -> [Block<W, 3>; 2] {
-    stage!("roughness.core", roughness::core(rough))
+pub fn lobe_law<W: Staged>(
+    fine: &LobeLaw<W>,
+    coarse: &LobeLaw<W>,
+    level_weight: Control<W, LEVEL_WEIGHT>,
+) -> LobeLaw<W> {
+    stage!(
+        "filter.law",
+        LobeLaw {
+            weight: filter::weight_between([fine.weight, coarse.weight], level_weight),
+            widths: each!(i in [0, 1] => filter::width_between([fine.widths[i], coarse.widths[i]], level_weight)),
+        }
+    )
+}
+
+/// One of two lobes of a rough surface: its roughness tangents.
+#[inline(always)]
+pub fn lobe<W: Staged>(rough: &[Block<W, 3>; 2], width: Control<W, OFFSET>, p: &Precision) -> [Block<W, 3>; 2] {
+    stage!("roughness.lobe", roughness::lobe(rough, width, p))
 }
 
 bundle! {

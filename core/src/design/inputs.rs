@@ -2,9 +2,10 @@
 
 use crate::block::{Block, Mantissa};
 use crate::bundle::bundle;
+use crate::datapath::LobeLaw;
 use crate::datapath::pixel::PixelSum;
 use crate::datapath::texel::{BumpCodes, BumpMoments, BumpSample, BumpScale};
-use crate::ports::{Horizon, LIGHT, LOD, PortBlock, REFLECTANCE, ReflectionInput, SHARE};
+use crate::ports::{Horizon, LIGHT, LOD, OFFSET, PortBlock, REFLECTANCE, ReflectionInput, SHARE};
 use crate::signals::{
     CubePoint, FacePosition, LocalDirection, MapScale, PeakSum, Probes, Sweep, TangentFrame, TexturePosition,
 };
@@ -251,10 +252,24 @@ bundle! {
         colours: [Control<W, LIGHT>; 2],
     }
 
-    /// Ports of `lobe_core`.
-    pub struct LobeCoreInput<W> {
-        /// The tangents of the whole lobe.
+    /// Ports of `lobe_law`.
+    pub struct LobeLawInput<W> {
+        /// Law of the finer level.
+        fine: LobeLaw<W>,
+        /// Law of the coarser level.
+        coarse: LobeLaw<W>,
+        /// Weight of the coarser level, [0, 1).
+        #[range(0..1)]
+        level_weight: Control<W, LEVEL_WEIGHT>,
+    }
+
+    /// Ports of `lobe`.
+    pub struct LobeInput<W> {
+        /// The tangents of the roughness.
         rough: [Block<W, 3>; 2],
+        /// Width of the lobe relative to the roughness.
+        #[range(0..=4)]
+        width: Control<W, OFFSET>,
     }
 
     /// Ports of `lobes`.
@@ -262,6 +277,9 @@ bundle! {
         /// Colour of each lobe.
         #[range(0..64)]
         colours: [Control<W, LIGHT>; 2],
+        /// Weight of the first lobe.
+        #[range(0..=1)]
+        weight: Control<W, SHARE>,
     }
 
     /// Ports of `blend`.

@@ -4,7 +4,7 @@
 //! its light; all light of a pixel is summed. Error: half a last place (2^−25) for each product.
 
 use crate::fx::{Control, Fx, Int, WideControl};
-use crate::ports::{LIGHT, OFFSET};
+use crate::ports::{LIGHT, OFFSET, SHARE};
 use crate::word::{Wire, Word};
 
 /// Sample of 16-bit texels with 8 more fraction bits, in units of 2^`exponent`, as a colour. Range: exponent 0…6.
@@ -38,10 +38,13 @@ pub fn bump<C: Word<Count = C>, const INT: u32>(
     Fx::<C, OFFSET>::from_raw(C::narrow(rounded.raw())).quantise(fraction_bits)
 }
 
-/// Colour of a surface with two lobes: the mean of both, floored. Equal lobes give their own colour.
+/// Colour of a surface with two lobes, floored. `weight` in [0, 1] is that of the first. Equal lobes give their own colour.
 #[inline(always)]
-pub fn lobes<W: Word>(a: Control<W, LIGHT>, b: Control<W, LIGHT>) -> Control<W, LIGHT> {
-    (a + b).floor_shr(1)
+pub fn lobes<W: Word>([first, second]: [Control<W, LIGHT>; 2], weight: Control<W, SHARE>) -> Control<W, LIGHT> {
+    let sum: WideControl<W, { LIGHT + SHARE }> = second.mul(Control::<W, SHARE>::int(1) - weight);
+    // A product has the fraction bits of a share in addition.
+    let sum = (sum + first.mul(weight)).floor_shr(Control::<W, SHARE>::FRACTION);
+    Fx::from_raw(W::Count::narrow(sum.raw()))
 }
 
 /// Light of a pixel so far, and one more colour.

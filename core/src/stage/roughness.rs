@@ -5,7 +5,7 @@
 
 use crate::block::{Block, MANTISSA, ZERO_EXPONENT, normalise, places_below};
 use crate::each::each;
-use crate::fx::{Fx, Wide};
+use crate::fx::{Control, Fx, Wide};
 use crate::ports::OFFSET;
 use crate::precision::Precision;
 use crate::word::{Wire, Word};
@@ -40,14 +40,11 @@ pub fn anisotropic<W: Word>(
     [times(d[0], e1, p.fraction_bits), normalise(sum, top, p.fraction_bits)]
 }
 
-/// log₂ of the ratio between the widths of a lobe and of its core, for surfaces with two lobes.
-const LOG2_CORE: i64 = 2;
-
-/// Lobe at a quarter of its deviations: a change of the exponent. It is the lobe of the facets that make up most of a surface, if a few facets are
-/// steep.
+/// One of two lobes: the tangents times its width, 0…4. A power of two changes the exponent alone.
 #[inline(always)]
-pub fn core<W: Word>(rough: &[Block<W, 3>; 2]) -> [Block<W, 3>; 2] {
-    each!(c in *rough => c.scaled(Fx::int(-LOG2_CORE)))
+pub fn lobe<W: Word>(rough: &[Block<W, 3>; 2], width: Control<W, OFFSET>, p: &Precision) -> [Block<W, 3>; 2] {
+    let width = Fx::of_control::<OFFSET>(width);
+    each!(c in *rough => times(width, &c, p.fraction_bits))
 }
 
 /// I₁E₁ and I₁E₂.

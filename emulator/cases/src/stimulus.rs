@@ -167,7 +167,8 @@ pub fn port_values(
         | Design::ProbeMean
         | Design::Colour
         | Design::Modulated
-        | Design::LobeCore
+        | Design::LobeLaw
+        | Design::Lobe
         | Design::Lobes
         | Design::Blend
         | Design::BrightBlend

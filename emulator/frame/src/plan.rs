@@ -7,7 +7,7 @@ use roughxel_core::plan::{FootprintKind, FrameSystem, HorizonKind, ReflectionPla
 use roughxel_core::precision::{Precision, RoughnessKind};
 
 use roughxel_maps::bump::BumpPyramid;
-use roughxel_scene::{self as scene, FootprintPlace, HighlightForm, Object, Shadowing};
+use roughxel_scene::{self as scene, Deviation, FootprintPlace, HighlightForm, Object, Shadowing};
 use roughxel_shader::{Effect, ObjectPlan};
 
 /// Sampling and filtering of a frame.
@@ -125,7 +125,9 @@ pub fn object_plan(
         }),
         two_lobes: reflects
             && kept(mode.filters()) != RoughnessKind::None
-            && material.two_lobes.unwrap_or_else(|| bump.is_some_and(has_two_kinds)),
+            && material
+                .two_lobes
+                .unwrap_or_else(|| bump.is_some_and(|bump| !bump.laws.is_empty() || has_two_kinds(bump))),
         highlight: material.highlight.as_ref().map(|highlight| SurfacePlan {
             bump: bumps,
             frame: frame_system(material.frame),
@@ -176,6 +178,9 @@ fn why(plan: &ObjectPlan, effect: Effect, object: &Object, mode: Mode, p: &Preci
             _ if !reflects => "nothing is reflected".into(),
             _ if !plan.has(Effect::Roughness) => "a smooth surface has no lobe".into(),
             Some(asked) => format!("`two_lobes = {asked}`"),
+            None if plan.two_lobes && material.deviation == Deviation::Law => {
+                "slopes of the bump map are not normally distributed".into()
+            }
             None if plan.two_lobes => "most facets of the bump map are flat, a few are steep".into(),
             None => "slopes of the bump map are of one kind".into(),
         },

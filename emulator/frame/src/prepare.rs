@@ -5,15 +5,17 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use roughxel_core::datapath::LobeLaw;
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::Precision;
 use roughxel_core::scalar_api::environment_scale;
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::MapScale;
 use roughxel_maps::bump::BumpPyramid;
+use roughxel_maps::law::Law;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{Light, LightPlace, Scene};
-use roughxel_shader::{BumpMap, CubeTexels, Effect, Environment, Material, ObjectPlan, Shader};
+use roughxel_shader::{BumpMap, CubeTexels, Effect, Environment, Material, ObjectPlan, Shader, core_and_whole};
 use roughxel_simd::Backend;
 
 use super::colour::colour_word;
@@ -130,6 +132,11 @@ impl<'a> Prepared<'a> {
                 let shows_bumps = environment.is_some() || own.highlight.is_some();
                 let bump = shows_bumps.then(|| BumpPyramid::of_material(own, mode.filters(), &precision)).flatten();
                 let plan = object_plan(object, bump.as_ref(), environment.is_some(), mode, &precision);
+                let laws = bump.iter().flat_map(|bump| &bump.laws).map(Law::ports);
+                let mut lobes: Vec<LobeLaw<i32>> = laws.collect();
+                if lobes.is_empty() {
+                    lobes.push(core_and_whole());
+                }
                 let bumps = bump.and_then(|bump| StoredBumps::new(bump).with_plan(&plan));
                 let (bump_map, bump_bytes) = split(bumps);
                 let share = |r: f32| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32);
@@ -140,6 +147,7 @@ impl<'a> Prepared<'a> {
                     main_direction: block_vector(own.main_direction, &precision),
                     colour_map: own.colour_map.as_ref().map(|map| colour_map(map, mode.filters())),
                     bump_map,
+                    lobes,
                     lighting: lighting(own, &plan, &scene.lights, peaks.pyramid(index), mode, &precision),
                 };
                 let decisions = decisions(&plan, object, mode, &precision);

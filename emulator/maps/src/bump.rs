@@ -9,6 +9,7 @@
 #[cfg(test)]
 mod tests;
 
+use crate::law::{Histogram, Law, laws};
 use crate::mip::{for_each_level, round_ratio};
 use crate::roughness::{AddedRoughness, Covariance, Moments, RoughnessStorage, concentration, moments};
 use rayon::prelude::*;
@@ -134,6 +135,9 @@ pub struct BumpPyramid {
     /// Nearness of most bumps of a sixteenth of the map to their mean, ½ to 1; 1 for the normal law. It is 1 as well if roughness is the root
     /// mean square, and for maps of fewer than 64 texels.
     pub concentration: f64,
+    /// Law of the bumps that a footprint on a level does not show, the finest level first; empty if one lobe is enough on all levels, if no law was
+    /// asked for, or with a roughness map.
+    pub laws: Vec<Law>,
 }
 
 impl BumpPyramid {
@@ -206,6 +210,8 @@ impl BumpPyramid {
         // Concentration of the last level with at least 16 texels. Land and sea are two kinds over a whole map, but rarely seen
         // together.
         let mut of_sixteenths = 1.0;
+        let has_laws = options.deviation == Deviation::Law && roughness.is_none();
+        let mut histograms = Vec::new();
         let mut lost: Vec<Vec<[f64; 3]>> =
             vec![(0..base_texels).into_par_iter().map(|index| components(0, index, smooth)).collect()];
         for_each_level(
@@ -223,16 +229,24 @@ impl BumpPyramid {
                 });
                 let texels = sums.sums.par_iter().enumerate();
                 let (columns, rows) = (covers(width, sums.width), covers(height, sums.height));
-                let covariance = |(index, moments): (usize, &Moments)| {
+                let row = |y: usize| &offsets[y * width as usize..][..width as usize];
+                let covered = |(index, moments): (usize, &Moments)| {
                     let covariance = Covariance::from_moments(*moments, sums.area);
                     let cover = [&columns[index % columns.len()], &rows[index / columns.len()]];
-                    let mean = [moments[0], moments[1]].map(|sum| sum as f64 / sums.area as f64);
+                    ([moments[0], moments[1]].map(|sum| sum as f64 / sums.area as f64), covariance, cover)
+                };
+                if has_laws {
+                    let counted = texels.clone().map(covered).fold(Histogram::new, |mut histogram, texel| {
+                        histogram.add_texel(texel.0, texel.1, texel.2, row);
+                        histogram
+                    });
+                    histograms.push(counted.reduce(Histogram::new, |sum, other| sum.plus(&other)));
+                }
+                let covariance = |(index, moments): (usize, &Moments)| {
+                    let (mean, covariance, cover) = covered((index, moments));
                     let factor = match options.deviation {
-                        Deviation::RootMeanSquare => 1.0,
-                        Deviation::Mean => {
-                            let row = |y: usize| &offsets[y * width as usize..][..width as usize];
-                            concentration(mean, covariance, cover, row)
-                        }
+                        Deviation::RootMeanSquare | Deviation::Law => 1.0,
+                        Deviation::Mean => concentration(mean, covariance, cover, row),
                     };
                     ((factor, covariance.a + covariance.c), components(level, index, covariance.scaled(factor)))
                 };
@@ -257,7 +271,7 @@ impl BumpPyramid {
             }
         }
         let format = BumpFormat { offset_exponent, roughness_exponent, roughness: storage };
-        Self { levels, format, saturated, concentration: of_sixteenths }
+        Self { levels, format, saturated, concentration: of_sixteenths, laws: laws(&histograms) }
     }
 
     /// True if any texel of the level has roughness: bumps that it does not show, or base roughness.

@@ -152,15 +152,12 @@ pub(crate) fn concentration<'a>(
     [columns, rows]: [&Cover; 2],
     row: impl Fn(usize) -> &'a [[i16; 2]],
 ) -> f64 {
-    let Covariance { a, b, c } = covariance;
-    let (trace, determinant) = (a + c, a * c - b * b);
-    if trace <= 0.0 {
-        return 1.0;
-    }
+    let Some(metric) = Metric::new(covariance) else { return 1.0 };
     // The mean of |z| is √(2/π) along one axis, √(π/2) along two.
-    let flat = determinant <= 1e-9 * trace * trace;
-    let expected = if flat { std::f64::consts::FRAC_2_PI.sqrt() } else { std::f64::consts::FRAC_PI_2.sqrt() };
-    let metric = if flat { Metric::Line { trace } } else { Metric::Plane { covariance, determinant } };
+    let expected = match metric {
+        Metric::Line { .. } => std::f64::consts::FRAC_2_PI.sqrt(),
+        Metric::Plane { .. } => std::f64::consts::FRAC_PI_2.sqrt(),
+    };
     let mut sum = 0.0;
     Backend::best().run(
         #[inline(always)]
@@ -185,7 +182,7 @@ pub(crate) fn concentration<'a>(
 
 /// Measure of the length of z.
 #[derive(Clone, Copy)]
-enum Metric {
+pub(crate) enum Metric {
     /// Measure for bumps along one axis.
     Line { trace: f64 },
     /// Measure by the inverse of K.
@@ -193,10 +190,29 @@ enum Metric {
 }
 
 impl Metric {
+    /// Measure for bumps of a covariance; `None` if there are no bumps.
+    pub(crate) fn new(covariance: Covariance) -> Option<Self> {
+        let Covariance { a, b, c } = covariance;
+        let (trace, determinant) = (a + c, a * c - b * b);
+        let is_line = determinant <= 1e-9 * trace * trace;
+        let metric = if is_line { Self::Line { trace } } else { Self::Plane { covariance, determinant } };
+        (trace > 0.0).then_some(metric)
+    }
+
     /// |z| of a group of bumps.
     #[inline(always)]
     fn lengths(self, offsets: &[[i16; 2]; LANES], mean: [f64; 2]) -> [f64; LANES] {
-        let mut lengths = [0.0; LANES];
+        let mut lengths = self.squares(offsets, mean);
+        for length in &mut lengths {
+            *length = length.sqrt();
+        }
+        lengths
+    }
+
+    /// z² of a group of bumps.
+    #[inline(always)]
+    pub(crate) fn squares(self, offsets: &[[i16; 2]; LANES], mean: [f64; 2]) -> [f64; LANES] {
+        let mut squares = [0.0; LANES];
         for lane in 0..LANES {
             let [u, v] = [f64::from(offsets[lane][0]) - mean[0], f64::from(offsets[lane][1]) - mean[1]];
             let square = match self {
@@ -205,9 +221,9 @@ impl Metric {
                     (c * u * u - 2.0 * b * u * v + a * v * v) / determinant
                 }
             };
-            lengths[lane] = square.max(0.0).sqrt();
+            squares[lane] = square.max(0.0);
         }
-        lengths
+        squares
     }
 }
 

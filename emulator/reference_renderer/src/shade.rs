@@ -6,6 +6,7 @@ use roughxel_core::precision::{Precision, ProbeRule, ProbeWeights, RoughnessKind
 use roughxel_frame::plan::{Mode, object_plan};
 use roughxel_frame::raster::{Projection, SUBPIXELS};
 use roughxel_maps::bump::BumpPyramid;
+use roughxel_maps::law::Law;
 use roughxel_scene::{Background, Object, Scene};
 use roughxel_shader::FragmentAttributes;
 use roughxel_shader::ObjectPlan;
@@ -43,6 +44,8 @@ struct ShadedObject<'a> {
     plan: ObjectPlan,
     colour: Option<Vec<Map<3>>>,
     bump: Option<Vec<Map<BUMP_CHANNELS>>>,
+    /// Weight and widths of two lobes on each level of the bump map, the finest first.
+    lobes: Vec<[f64; 3]>,
 }
 
 /// A probe in a wrapped map.
@@ -83,6 +86,7 @@ impl<'a> Shader<'a> {
                 object,
                 plan,
                 colour: material.colour_map.as_ref().map(|map| maps::colour(map, filters)),
+                lobes: laws(pyramid.as_ref()),
                 bump: pyramid.filter(|_| plan.bump_map()).map(|pyramid| maps::bump(&pyramid)),
             }
         });
@@ -123,9 +127,11 @@ impl<'a> Shader<'a> {
         }
         let (Some(environment), Some(_)) = (&self.environment, shaded.plan.reflection) else { return surface };
         let look = |deviations| self.reflection(shaded, environment, attributes, deviations);
-        let reflection = if shaded.plan.two_lobes {
-            let (wide, narrow) = (look(1.0), look(0.25));
-            core::array::from_fn(|i| 0.5 * (wide[i] + narrow[i]))
+        let rough_map = shaded.bump.as_ref().filter(|_| shaded.plan.two_lobes);
+        let reflection = if let Some(map) = rough_map {
+            let (weight, widths) = self.law(&shaded.lobes, map, attributes);
+            let [first, second] = widths.map(look);
+            core::array::from_fn(|i| weight * first[i] + (1.0 - weight) * second[i])
         } else {
             look(1.0)
         };
@@ -133,6 +139,12 @@ impl<'a> Shader<'a> {
             let share = f64::from(material.reflectance[i]).clamp(0.0, 1.0);
             (1.0 - share) * surface[i] + share * reflection[i]
         })
+    }
+
+    /// The footprint of a fragment in a wrapped map of a size, texels.
+    fn probes_in(&self, size: [u32; 2], attributes: &FragmentAttributes) -> ProbePlan {
+        let columns = columns_in_texels(attributes.duv.map(real_pair), size);
+        reference::texture(columns, 1.0, size, self.rule, self.max_probes).probes
     }
 
     /// The mean over the footprint of a fragment in a wrapped map, or the value at its position. `bias` ≤ 0 moves the level of
@@ -149,9 +161,7 @@ impl<'a> Shader<'a> {
             return sample(&Probe { uv, lod: 0.0, reach: 0.0 });
         }
         let size = [levels[0].width as u32, levels[0].height as u32];
-        let columns = columns_in_texels(attributes.duv.map(real_pair), size);
-        let plan = reference::texture(columns, 1.0, size, self.rule, self.max_probes).probes;
-        let plan = texels_to_repeats(&plan, size);
+        let plan = texels_to_repeats(&self.probes_in(size, attributes), size);
         let (lod, reach) = ((plan.lod + bias).max(0.0), (2.0 * plan.minor).min(1.0));
         let mut mean = [0.0; C];
         for (index, &weight) in (0..plan.count).zip(&self.weights[plan.count as usize - 1]) {
@@ -159,6 +169,16 @@ impl<'a> Shader<'a> {
             mean = add_scaled(mean, weight, sample(&at));
         }
         mean
+    }
+
+    /// Weight of the first lobe and the widths of both, between those of two levels.
+    fn law(&self, laws: &[[f64; 3]], map: &[Map<BUMP_CHANNELS>], attributes: &FragmentAttributes) -> (f64, [f64; 2]) {
+        let lod = self.probes_in([map[0].width as u32, map[0].height as u32], attributes).lod;
+        let lod = (lod + bias_of(RoughnessKind::Anisotropic)).clamp(0.0, (laws.len() - 1) as f64);
+        let fine = laws[lod.floor() as usize];
+        let coarse = laws[lod.ceil() as usize];
+        let [weight, first, second] = core::array::from_fn(|i| fine[i] + lod.fract() * (coarse[i] - fine[i]));
+        (weight, [first, second])
     }
 
     /// Mean offset and covariance over the footprint. Within a probe b and K are interpolated, and half the variance of the ramp
@@ -290,6 +310,18 @@ impl<'a> Shader<'a> {
             }
         }
     }
+}
+
+/// Laws of the two lobes of a map on each level; one for all levels if the map has none of its own.
+fn laws(pyramid: Option<&BumpPyramid>) -> Vec<[f64; 3]> {
+    let laws = pyramid.map_or(&[][..], |pyramid| &pyramid.laws);
+    if laws.is_empty() {
+        return vec![[0.5, 1.0, 0.25]];
+    }
+    let numbers = |law: &Law| {
+        [f64::from(law.weight) / 65536.0, f64::from(law.widths[0]) / 4096.0, f64::from(law.widths[1]) / 4096.0]
+    };
+    laws.iter().map(numbers).collect()
 }
 
 /// Shift of the levels of detail that gives probes the variance λ₂². It applies to footprints of rough surfaces, in the bump map

@@ -123,6 +123,8 @@ pub enum Deviation {
     Mean,
     /// All bumps, by their squares (S97 §8): the standard deviation.
     RootMeanSquare,
+    /// All bumps, by their squares. If they are not normally distributed, reflections have two lobes with the weights and widths of the map's own law.
+    Law,
 }
 
 /// Surface of an object, per channel: `(1 − reflectance)·colour·colour_map + reflectance·environment(reflected ray)`, and for

@@ -1,7 +1,7 @@
 //! Colours of an environment at fragments, blended with the fragments' own colours.
 
 use roughxel_core::bundle::Value;
-use roughxel_core::datapath::pixel;
+use roughxel_core::datapath::{LobeLaw, pixel};
 use roughxel_core::design::{Form, In};
 use roughxel_core::each::each;
 use roughxel_core::fx::Control;
@@ -168,19 +168,25 @@ impl<L: EnvironmentLookup> Ordered<L> {
     }
 }
 
-/// The mean of the colours of two lobes.
+/// The weighted mean of the colours of two lobes.
 #[derive(Clone, Copy, Debug)]
-pub struct Lobes<'a>(pub [&'a Batch<ShadedColour<i32>>; 2]);
+pub struct Lobes<'a> {
+    /// Colours of each lobe.
+    pub colours: [&'a Batch<ShadedColour<i32>>; 2],
+    /// Laws of the lobes.
+    pub laws: &'a Batch<LobeLaw<i32>>,
+}
 
 impl Pass for Lobes<'_> {
     type Output = ShadedColour<i32>;
     fn len(&self) -> usize {
-        self.0[0].len()
+        self.laws.len()
     }
     #[inline(always)]
     fn group<W: BatchWord>(&self, group: &Group<W>, _: &Precision) -> ShadedColour<W> {
-        let [a, b] = [group.load(self.0[0]), group.load(self.0[1])];
-        let channels = each!(i in [0, 1, 2] => pixel::lobes::<W>(a.channels[i], b.channels[i]));
+        let [a, b] = [group.load(self.colours[0]), group.load(self.colours[1])];
+        let weight = group.load(self.laws).weight;
+        let channels = each!(i in [0, 1, 2] => pixel::lobes::<W>([a.channels[i], b.channels[i]], weight));
         ShadedColour { channels, samples: a.samples + b.samples }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use roughxel_core::datapath::Surface;
+use roughxel_core::datapath::{LobeLaw, Surface};
 use roughxel_core::fx::{Control, Fx};
 use roughxel_core::plan::{FootprintKind, FrameSystem, HorizonKind, ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{BlockVector, LIGHT, REFLECTANCE, ShininessPort, SurfaceInput};
@@ -32,8 +32,16 @@ pub struct Material {
     pub colour_map: Option<ColourMap>,
     /// Bumps and roughness.
     pub bump_map: Option<BumpMap>,
+    /// Laws of two lobes on the levels of the bump map, the finest first, at least one.
+    pub lobes: Vec<LobeLaw<i32>>,
     /// Lights and highlights of the object.
     pub lighting: Option<Lighting>,
+}
+
+/// Law for slopes of two kinds: half of the light from a lobe as wide as the roughness, half from one a quarter as wide. It is the lobe of the facets
+/// that make up most of a surface, if a few facets are steep.
+pub fn core_and_whole() -> LobeLaw<i32> {
+    LobeLaw { weight: Fx::number(1, -1), widths: [Fx::int(1), Fx::number(1, -2)] }
 }
 
 impl Material {
@@ -63,6 +71,7 @@ impl Material {
             main_direction: BlockVector::default(),
             colour_map: None,
             bump_map: None,
+            lobes: vec![core_and_whole()],
             lighting: None,
         }
     }

@@ -16,7 +16,7 @@ pub struct ObjectPlan {
     pub edges: bool,
     /// Reflection datapath; `None` if nothing is reflected.
     pub reflection: Option<ReflectionPlan>,
-    /// True if a rough reflection has two lobes, the narrower one a quarter as wide.
+    /// True if a rough reflection has two lobes.
     pub two_lobes: bool,
     /// Surface of a highlight.
     pub highlight: Option<SurfacePlan>,
@@ -85,7 +85,7 @@ pub enum Effect {
     Roughness,
     /// Reflection of an environment.
     Environment,
-    /// One lobe for most facets and one for all.
+    /// Two lobes of a rough reflection, of a law of the bump map or one for most facets and one for all.
     TwoLobes,
     /// Footprints of samples.
     Footprint,

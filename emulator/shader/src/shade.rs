@@ -1,7 +1,7 @@
 //! The path of a fragment: every pass by its name, in the order of the block diagram.
 
 use roughxel_core::datapath::texel::Bump;
-use roughxel_core::datapath::{Surface, pixel};
+use roughxel_core::datapath::{LobeLaw, Surface, pixel};
 use roughxel_core::fx::Fx;
 use roughxel_core::plan::{FootprintKind, ReflectionPlan, SurfacePlan};
 use roughxel_core::ports::{BlockVector, Port, PortBlock, SurfaceInput};
@@ -20,7 +20,7 @@ use crate::peaks_read::{LightOnPeaks, PeaksRead};
 use crate::phases::Phase;
 use crate::signals::{Derivatives, FaceFootprint, FilteredBump, ShadedColour, Slopes, SurfaceAttributes, ports};
 use crate::sums::Sums;
-use crate::surface::{Cores, Footprints, Points, Reflected, Surfaces, Sweeps};
+use crate::surface::{Footprints, LobeLaws, LobeSurfaces, Points, Reflected, Surfaces, Sweeps};
 
 /// Batches between the passes; the next fragments reuse their memory.
 #[derive(Debug, Default)]
@@ -51,8 +51,9 @@ struct SeenWork {
     sweeps: Batch<Sweep<i32>>,
     ordered_sweeps: Ordered<Sweep<i32>>,
     shown: Batch<ShadedColour<i32>>,
-    cores: Batch<Surface<i32>>,
-    of_cores: Batch<ShadedColour<i32>>,
+    laws: Batch<LobeLaw<i32>>,
+    lobe: Batch<Surface<i32>>,
+    of_second: Batch<ShadedColour<i32>>,
     of_both: Batch<ShadedColour<i32>>,
 }
 
@@ -215,8 +216,9 @@ impl Shader<'_> {
             sweeps,
             ordered_sweeps,
             shown,
-            cores,
-            of_cores,
+            laws,
+            lobe,
+            of_second,
             of_both,
         } = seen;
         let mut look = |surfaces: &Batch<Surface<i32>>, shown: &mut Batch<ShadedColour<i32>>, sums: &mut Sums| {
@@ -241,13 +243,17 @@ impl Shader<'_> {
             }
             sums.samples += shown.samples();
         };
-        look(surfaces, shown, sums);
-        if !plan.two_lobes {
+        let rough_map = material.rough_map().filter(|_| plan.two_lobes);
+        let Some(footprints) = rough_map.and_then(|map| fragments.footprints.for_map(map)) else {
+            look(surfaces, shown, sums);
             return sums.add_all(&fragments.places, shown);
-        }
-        Cores(surfaces).run(self, cores);
-        look(cores, of_cores, sums);
-        Lobes([shown, of_cores]).run(self, of_both);
+        };
+        LobeLaws { footprints, levels: &material.lobes }.run(self, laws);
+        LobeSurfaces { surfaces, laws, lobe: 0 }.run(self, lobe);
+        look(lobe, shown, sums);
+        LobeSurfaces { surfaces, laws, lobe: 1 }.run(self, lobe);
+        look(lobe, of_second, sums);
+        Lobes { colours: [shown, of_second], laws }.run(self, of_both);
         sums.add_all(&fragments.places, of_both);
     }
 

@@ -1,17 +1,20 @@
 //! Surface of every fragment, and the direction of its reflection.
 
-use roughxel_core::datapath::{self, Framed, Surface};
+use roughxel_core::datapath::{self, Framed, LobeLaw, Surface, texel};
+use roughxel_core::each::each;
+use roughxel_core::fx::Fx;
 use roughxel_core::plan::{ReflectionPlan, SurfacePlan};
 use roughxel_core::precision::Precision;
 use roughxel_core::scalar_api;
-use roughxel_core::signals::{CubePoint, MapScale, Sweep};
+use roughxel_core::signals::{CubePoint, MapScale, Sweep, WrappedFootprint};
+use roughxel_core::stage::filter::LevelPair;
 use roughxel_simd::BatchWord;
 
 use crate::batch::Batch;
 use crate::pass::{Group, Pass, Shader, runs};
 use crate::signals::{Derivatives, FaceFootprint, FilteredBump, Ports, SurfaceAttributes, ports};
 
-runs!(Surfaces Cores Points Footprints Sweeps);
+runs!(Surfaces LobeLaws LobeSurfaces Points Footprints Sweeps);
 
 /// Surfaces with their bumps: enter, frame, perturb, roughness.
 #[derive(Clone, Copy, Debug)]
@@ -57,19 +60,59 @@ impl Pass for Surfaces<'_> {
     }
 }
 
-/// Surfaces with the core of their lobe.
+/// Law of the two lobes of every fragment, from those of the levels of its bump map: filter (levels, law).
 #[derive(Clone, Copy, Debug)]
-pub struct Cores<'a>(pub &'a Batch<Surface<i32>>);
+pub struct LobeLaws<'a> {
+    /// Footprints in the bump map.
+    pub footprints: &'a Batch<WrappedFootprint<i32>>,
+    /// Law of each level, the finest first, at least one; beyond the last level it is the last.
+    pub levels: &'a [LobeLaw<i32>],
+}
 
-impl Pass for Cores<'_> {
-    type Output = Surface<i32>;
+impl Pass for LobeLaws<'_> {
+    type Output = LobeLaw<i32>;
     fn len(&self) -> usize {
-        self.0.len()
+        self.footprints.len()
     }
     #[inline(always)]
-    fn group<W: BatchWord>(&self, group: &Group<W>, _: &Precision) -> Surface<W> {
-        let surface = group.load(self.0);
-        Surface { rough: datapath::lobe_core(&surface.rough), ..surface }
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> LobeLaw<W> {
+        let LevelPair { level, weight } = texel::levels::<W>(group.load(self.footprints).probes.lod, W::known(true), p);
+        let (levels, last) = (self.levels, self.levels.len() - 1);
+        let [fine, coarse] = each!(level in [level, level + Fx::int(1)] => {
+            let read = W::per_lane(
+                [level.raw()],
+                #[inline(always)]
+                |[level]| {
+                    let LobeLaw { weight, widths: [first, second] } = levels[(level as usize).min(last)];
+                    [weight.raw(), first.raw(), second.raw()]
+                },
+            );
+            LobeLaw::<W> { weight: Fx::from_raw(read[0]), widths: [Fx::from_raw(read[1]), Fx::from_raw(read[2])] }
+        });
+        datapath::lobe_law(&fine, &coarse, weight)
+    }
+}
+
+/// Surfaces with one of their two lobes: roughness (lobe).
+#[derive(Clone, Copy, Debug)]
+pub struct LobeSurfaces<'a> {
+    /// Surfaces.
+    pub surfaces: &'a Batch<Surface<i32>>,
+    /// Laws of their lobes.
+    pub laws: &'a Batch<LobeLaw<i32>>,
+    /// Number of the lobe, 0 or 1.
+    pub lobe: usize,
+}
+
+impl Pass for LobeSurfaces<'_> {
+    type Output = Surface<i32>;
+    fn len(&self) -> usize {
+        self.surfaces.len()
+    }
+    #[inline(always)]
+    fn group<W: BatchWord>(&self, group: &Group<W>, p: &Precision) -> Surface<W> {
+        let (surface, law) = (group.load(self.surfaces), group.load(self.laws));
+        Surface { rough: datapath::lobe(&surface.rough, law.widths[self.lobe], p), ..surface }
     }
 }
 

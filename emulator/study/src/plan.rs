@@ -46,7 +46,7 @@ const BRIGHT_FETCH: [Design; 7] = [
     Design::BrightBlend,
 ];
 /// Designs of a second lobe besides a second environment lookup.
-const TWO_LOBES: [Design; 2] = [Design::LobeCore, Design::Lobes];
+const TWO_LOBES: [Design; 3] = [Design::LobeLaw, Design::Lobe, Design::Lobes];
 /// Designs that a bump map adds to a fetch, followed by those that its roughness adds.
 const BUMP: [Design; 1] = [Design::WordSample];
 const ROUGHNESS: [Design; 5] =

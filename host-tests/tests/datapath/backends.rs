@@ -217,7 +217,7 @@ impl Visitor for Ends<'_> {
 }
 
 /// Designs after memories: any integers in their ranges may meet at their ports.
-const OF_TEXELS: [Design; 20] = [
+const OF_TEXELS: [Design; 21] = [
     Design::BumpTexel,
     Design::BumpRamp,
     Design::BumpProbe,
@@ -232,7 +232,8 @@ const OF_TEXELS: [Design; 20] = [
     Design::ProbeMean,
     Design::Colour,
     Design::Modulated,
-    Design::LobeCore,
+    Design::LobeLaw,
+    Design::Lobe,
     Design::Lobes,
     Design::Blend,
     Design::BrightBlend,

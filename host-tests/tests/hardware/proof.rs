@@ -85,7 +85,7 @@ fn no_wire_can_leave_its_word_at_any_precision_that_can_be_built() {
 }
 
 /// Connections from results of a design to ports of a different design: upper design and path, lower design and path.
-const CONNECTIONS: [(Design, &str, Design, &str); 49] = [
+const CONNECTIONS: [(Design, &str, Design, &str); 52] = [
     (Design::MapScale, "", Design::Reflection, "map"),
     (Design::MapScale, "log2_texels", Design::Texture, "map.log2_texels"),
     (Design::Reflection, "point", Design::EnvironmentProbe, "point"),
@@ -131,7 +131,10 @@ const CONNECTIONS: [(Design, &str, Design, &str); 49] = [
     (Design::Colour, "", Design::Modulated, "colours[0]"),
     (Design::Modulated, "", Design::Blend, "surface"),
     (Design::Colour, "", Design::Blend, "reflection"),
-    (Design::Reflection, "surface.rough", Design::LobeCore, "rough"),
+    (Design::Levels, "weight", Design::LobeLaw, "level_weight"),
+    (Design::LobeLaw, "widths[0]", Design::Lobe, "width"),
+    (Design::LobeLaw, "weight", Design::Lobes, "weight"),
+    (Design::Reflection, "surface.rough", Design::Lobe, "rough"),
     (Design::Blend, "", Design::Lobes, "colours[0]"),
     (Design::Lobes, "", Design::PixelSum, "colour"),
     (Design::Blend, "", Design::PixelSum, "colour"),

@@ -54,18 +54,26 @@ fn every_mode_is_its_float64_picture() {
 /// Any footprint: a core narrow enough for a face, a whole lobe on the sphere.
 #[test]
 fn two_lobes_are_their_float64_picture_in_every_backend() {
-    let scene = bars::two_lobes();
+    are_their_float64_picture_in_every_backend(&bars::two_lobes());
+}
+
+#[test]
+fn lobes_of_a_law_are_their_float64_picture_in_every_backend() {
+    are_their_float64_picture_in_every_backend(&bars::lobes_of_a_law());
+}
+
+fn are_their_float64_picture_in_every_backend(scene: &Scene) {
     for (profile, precision) in profiles() {
         for mode in [Mode::Isotropic, Mode::Footprint] {
-            let prepared = Prepared::new(&scene, mode, &precision).unwrap();
+            let prepared = Prepared::new(scene, mode, &precision).unwrap();
             assert!(prepared.plans().all(|plan| plan.has(Effect::TwoLobes)));
             let scalar = prepared.with_backend(Backend::Scalar).render(&|| ()).unwrap();
             for set in InstructionSet::available() {
-                let lanes = Prepared::new(&scene, mode, &precision).unwrap().with_backend(Backend::Simd(set));
+                let lanes = Prepared::new(scene, mode, &precision).unwrap().with_backend(Backend::Simd(set));
                 assert_eq!(lanes.render(&|| ()).unwrap().digest(), scalar.digest(), "{profile}, {mode}, {set}");
             }
             if profile == "standard" {
-                let psnr = bars::psnr_against_float(&scene, mode, &precision).unwrap();
+                let psnr = bars::psnr_against_float(scene, mode, &precision).unwrap();
                 assert!(psnr >= 55.0, "{mode}: {psnr:.1} dB");
             }
         }

@@ -7,4 +7,5 @@ mod meshes;
 mod peak_pyramid;
 mod plan;
 mod real_scenes;
+mod reflections;
 mod shadows;

@@ -109,8 +109,9 @@ probe_sum 683daabf296f3635
 probe_mean e77e72abba4c8ff2
 colour e999028207527c7b
 modulated 3ec665c72d71d6bf
-lobe_core 56a9522ea077680a
-lobes 9a9ed3756d66dabd
+lobe_law c0015af0eb730264
+lobe 3451bdc5bfebb82e
+lobes 8565694cd48de75e
 highlight ae0a63637be2dce0
 lit_peak f9f8277d3cf56529
 blend b945f97c884e15ee

@@ -78,8 +78,8 @@ fn shade(index: u64, plan: &ObjectPlan, p: &Precision, entered: &mut Entered) {
     }
     if let Some(reflection) = plan.reflection.filter(|_| plan.two_lobes) {
         let surface = datapath::surface(&input.surface, &reflection.surface(), p);
-        enter(entered, "core", || {
-            datapath::lobe_core(&surface.rough);
+        enter(entered, "lobe", || {
+            datapath::lobe(&surface.rough, Fx::int(2), p);
         });
     }
     if let Some(plan) = &plan.highlight {
@@ -121,15 +121,15 @@ fn is_of(effect: Effect, part: &str, block: &str) -> bool {
         // Without bumps there is no roughness, and without both no tangent basis; peaks have their own.
         Effect::Bump => {
             let perturbed = ["enter.tangent", "frame", "enter.offset", "perturb"].contains(&block);
-            ["bump map", "core"].contains(&part)
+            ["bump map", "lobe"].contains(&part)
                 || ["reflection", "highlight"].contains(&part) && (perturbed || tangents_of_roughness.contains(&block))
         }
-        Effect::Roughness => part == "core" || block == "probes.reach" || tangents_of_roughness.contains(&block),
-        Effect::Environment => ["reflection", "core"].contains(&part),
-        Effect::TwoLobes => part == "core",
+        Effect::Roughness => part == "lobe" || block == "probes.reach" || tangents_of_roughness.contains(&block),
+        Effect::Environment => ["reflection", "lobe"].contains(&part),
+        Effect::TwoLobes => part == "lobe",
         Effect::Footprint => {
             let footprint = ["enter.dview", "enter.dnormal", "columns.pixel", "ellipse", "axes", "probes"];
-            ["colour map", "bump map", "core"].contains(&part)
+            ["colour map", "bump map", "lobe"].contains(&part)
                 || part == "reflection" && footprint.contains(&block)
                 || tangents_of_roughness.contains(&block)
         }

@@ -1,0 +1,105 @@
+//! Reflections of rough photographs at every distance: brightness of the filtered picture over that of 256 samples a pixel, in bands of rows from
+//! the horizon to the eye, for each channel.
+//!
+//! The heights are a photograph on a plane to the horizon, under a sky with a sun about 1000 times as bright. The sun gives about as much light as
+//! the rest of the sky, and no pixel of a frame is clipped.
+
+use std::path::Path;
+
+use roughxel_core::precision::Precision;
+use roughxel_frame::plan::Mode;
+use roughxel_frame::{Frame, Prepared};
+use roughxel_scene::Scene;
+
+use crate::photographs::photograph;
+
+/// Photographs whose slopes are far from the normal law.
+pub const ROUGH_PHOTOGRAPHS: [&str; 3] = ["gravel.png", "grass.png", "brick.png"];
+
+/// Edge of the pieces of photographs, texels.
+const EDGE: u32 = 128;
+
+/// Bands of rows.
+const BANDS: usize = 4;
+
+/// Samples along an edge of a pixel of the truth.
+const SAMPLES_EDGE: u32 = 16;
+
+/// A filtered picture of reflections against 256 samples a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReflectionFigures {
+    /// Brightness of each channel over that of the truth, by band, the farthest first.
+    pub bands: [[f64; 3]; BANDS],
+    /// PSNR, dB, at the exposure that gives the brightest channel of the truth the value 1.
+    pub psnr: f64,
+    /// The same of 16 samples a pixel.
+    pub psnr_of_16_samples: f64,
+}
+
+impl ReflectionFigures {
+    /// Darkest and brightest channel of any band over the truth.
+    pub fn range(&self) -> [f64; 2] {
+        let channels = self.bands.iter().flatten();
+        channels.fold([f64::INFINITY, 0.0], |[least, most], &ratio| [ratio.min(least), ratio.max(most)])
+    }
+}
+
+/// The scene: a mirror with these heights, scaled to a slope. `keys` are further lines of its material.
+fn scene(path: &Path, rms_slope: f64, keys: &str) -> Scene {
+    let text = format!(
+        "[camera]\neye = [0, 2.2, 6]\ntarget = [0, 0, -2]\nfov_y = 40\nwidth = 96\nheight = 72\n\
+         [background]\ntop = [0, 0, 0]\nbottom = [0, 0, 0]\n\
+         [environment]\ngenerate = \"sky\"\nface_edge = 128\nsun = [60, 50, 36]\nradius_degrees = 2\n\
+         elevation_degrees = 35\nazimuth_degrees = 25\n\
+         zenith = [0.02, 0.04, 0.09]\nhorizon = [0.1, 0.11, 0.12]\nground = [0.03, 0.025, 0.02]\n\
+         [[object]]\nshape = \"plane\"\nsize = [60, 60]\nsegments = [30, 30]\nuv_repeat = [20, 20]\n\
+         [object.material]\ncolour = [0, 0, 0]\nreflectance = 1\n{keys}\n\
+         height_map = {{ path = {:?}, rms_slope = {rms_slope} }}\n",
+        path.display().to_string()
+    );
+    Scene::from_toml("reflections", &text, Path::new("")).expect("the scene is valid")
+}
+
+/// Sums of each channel over each band of rows on the plane, the farthest first.
+fn bands(frame: &Frame) -> [[f64; 3]; BANDS] {
+    let rows: Vec<[f64; 3]> = frame
+        .pixels
+        .chunks(frame.width as usize)
+        .map(|row| core::array::from_fn(|i| row.iter().map(|pixel| f64::from(pixel[i])).sum()))
+        .collect();
+    let first = rows.iter().position(|row| row[0] > 0.0).unwrap_or(rows.len());
+    // The uppermost row is half sky.
+    let shown = &rows[(first + 1).min(rows.len())..];
+    core::array::from_fn(|band| {
+        let rows = &shown[shown.len() * band / BANDS..shown.len() * (band + 1) / BANDS];
+        core::array::from_fn(|i| rows.iter().map(|row| row[i]).sum())
+    })
+}
+
+/// PSNR in dB at the exposure that gives the brightest channel of the truth the value 1.
+fn psnr(frame: &Frame, truth: &Frame) -> f64 {
+    let channels = || frame.pixels.iter().flatten().zip(truth.pixels.iter().flatten());
+    let brightest = channels().fold(0, |most, (_, &channel)| channel.max(most));
+    let sum: f64 = channels().map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
+    -10.0 * (sum / (3 * truth.pixels.len()) as f64 / f64::from(brightest).powi(2)).log10()
+}
+
+/// Draws a photograph as heights of a slope. `keys` are further lines of its material. `None` without the photograph.
+///
+/// # Panics
+/// If the keys are wrong, and as [`photograph`].
+pub fn reflection_figures(name: &str, rms_slope: f64, keys: &str) -> Option<ReflectionFigures> {
+    let piece = photograph(name, EDGE)?;
+    let scene = scene(&piece.path(), rms_slope, keys);
+    let draw = |mode| -> Frame {
+        let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene is valid");
+        prepared.render(&|| ()).expect("the scene can be drawn")
+    };
+    let (filtered, truth) = (draw(Mode::Footprint), draw(Mode::Supersampled { edge: SAMPLES_EDGE }));
+    let (of_filtered, of_truth) = (bands(&filtered), bands(&truth));
+    Some(ReflectionFigures {
+        bands: core::array::from_fn(|band| core::array::from_fn(|i| of_filtered[band][i] / of_truth[band][i])),
+        psnr: psnr(&filtered, &truth),
+        psnr_of_16_samples: psnr(&draw(Mode::Supersampled { edge: 4 }), &truth),
+    })
+}
