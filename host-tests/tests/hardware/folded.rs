@@ -20,7 +20,7 @@ use roughxel_utilities::random::SplitMix64;
 use super::rtl::{Case, FULL, options};
 
 /// Plans of a reflection: all effects, footprints of smooth texels, a mirror.
-const PLANS: [(&str, Effects); 3] = [
+pub(super) const PLANS: [(&str, Effects); 3] = [
     ("full", FULL),
     ("footprint", Effects { roughness: RoughnessKind::None, ..FULL }),
     ("mirror", Effects { footprint: FootprintKind::None, ..Effects::NONE }),

@@ -14,3 +14,4 @@ mod proof;
 mod rtl;
 mod shell;
 mod stages;
+mod targets;

@@ -4,6 +4,7 @@ use super::operation::Operation;
 use crate::graph::{Kind, NodeId, Op};
 use crate::range::{Exact, Range, Ranges, difference};
 use crate::relational_facts::RelationalFacts;
+use crate::target::Target;
 use crate::unit::{Unit, signed_digits, signed_powers};
 use crate::verilog::body::{Body, mask};
 use crate::verilog::value::{Value, constant_bits};
@@ -122,11 +123,64 @@ impl Operation for Lt {
     fn expression(&self, body: &Body, _: u32, _: u32, rank: u32) -> String {
         let (low, high) = body.compared(self.0, self.1);
         let signed = [self.0, self.1].iter().any(|&id| body.range(id).signed());
+        if let Some(constant) = body.constant(self.1)
+            && let Some(text) = below_constant(body, self.0, constant, [low, high], signed, rank)
+        {
+            return text;
+        }
         let [a, b] = [self.0, self.1].map(|id| {
             if signed { body.signed_operand(id, low, high, rank) } else { body.text(id, low, high, rank).as_unsigned() }
         });
         format!("{a} < {b}")
     }
+}
+
+/// Most runs of equal bits in a constant that lookup tables compare.
+const MOST_RUNS: usize = 5;
+
+/// Comparison of bits `low` up to `high` of a wire with a constant, in tables of four inputs: a carry chain would take one for each bit. `None` on gates,
+/// where tools do the same, or if the constant has many runs of equal bits.
+fn below_constant(
+    body: &Body,
+    id: NodeId,
+    constant: i64,
+    [low, high]: [u32; 2],
+    signed: bool,
+    rank: u32,
+) -> Option<String> {
+    // The sign counts the other way round.
+    let top = high - u32::from(signed);
+    let bit = |at: u32| constant >> at.min(63) & 1 == 1;
+    let mut runs: Vec<(u32, u32)> = Vec::new();
+    for at in low..top {
+        match runs.last_mut() {
+            Some((_, end)) if bit(*end - 1) == bit(at) => *end = at + 1,
+            _ => runs.push((at, at + 1)),
+        }
+    }
+    if body.context.target == Target::Asic || runs.len() > MOST_RUNS {
+        return None;
+    }
+    let mut text = String::new();
+    for (first, end) in runs {
+        let bits = body.text(id, first, end, rank).code;
+        let [all, any] = if end - first == 1 { ["", ""] } else { ["&", "|"] };
+        text = match (bit(first), text.is_empty()) {
+            (true, true) => format!("~{all}{bits}"),
+            (true, false) => format!("~{all}{bits} | ({text})"),
+            (false, true) => return None,
+            (false, false) => format!("~{any}{bits} & ({text})"),
+        };
+    }
+    if signed {
+        let sign = body.text(id, top, high, rank).code;
+        text = match (constant < 0, text.is_empty()) {
+            (_, true) => return None,
+            (true, false) => format!("{sign} & ({text})"),
+            (false, false) => format!("{sign} | ({text})"),
+        };
+    }
+    Some(text)
 }
 
 /// a · b of two words, wide.

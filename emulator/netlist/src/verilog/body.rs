@@ -6,6 +6,7 @@ use super::context::Context;
 use super::value::{Text, Value, View, Wire, constant_bits, signed_constant, view_bits};
 use crate::graph::{Kind, NodeId, Op};
 use crate::range::Range;
+use crate::target::Target;
 
 /// The wires of a stage.
 pub(crate) struct Body<'a> {
@@ -76,7 +77,9 @@ impl Body<'_> {
         let (a, b) = (self.range(a), self.range(b));
         let signed = a.signed() || b.signed();
         let top = |range: Range| range.top() + u32::from(signed && !range.signed());
-        (a.zeros.min(b.zeros), top(a).max(top(b)))
+        // Bits below the lowest one of b make no difference. On gates a tool leaves them out.
+        let low = if self.context.target == Target::Asic { a.zeros.min(b.zeros) } else { b.zeros };
+        (low, top(a).max(top(b)))
     }
 
     /// Bits among which leading zeros are counted.

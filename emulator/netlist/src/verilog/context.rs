@@ -18,7 +18,7 @@ pub(crate) struct Context<'a> {
     /// Most levels between registers.
     pub(super) depth: Option<u32>,
     /// Device that says what a level is.
-    pub(super) target: Target,
+    pub(crate) target: Target,
     /// Prefix of module names.
     pub(super) prefix: &'a str,
     /// Lines at the end of every header: profile, stages that are on.
