@@ -10,7 +10,7 @@
 //! | mul | a whole cycle |
 //! | mul by a constant of d digits | 2 for each level of an adder tree of d rows |
 //! | shift by a count | a select for each bit of the count |
-//! | leading zeros of w bits | ⌈log₂ w⌉ − 1 |
+//! | leading zeros of w bits | ⌈log₂ w⌉ |
 //! | table of n entries | ⌈log₂ n⌉ − 3, at least 1; above 64 entries it is a block memory, and these levels are behind the edge that reads it |
 //! | and, or, xor, select | 1 |
 //! | choice among n wires by the phase | ⌈½ log₂ n⌉ + 1 |
@@ -108,7 +108,7 @@ impl Target {
             Unit::Multiplier(_) => depth,
             Unit::ConstantMultiplier { by, .. } => 2 * log2_above(signed_digits(by)),
             Unit::Shifter { places, .. } => places,
-            Unit::LeadingZeros { bits } => log2_above(bits).saturating_sub(1).max(1),
+            Unit::LeadingZeros { bits } => log2_above(bits).max(1),
             Unit::Table { entries } => log2_above(entries).saturating_sub(3).max(1),
             Unit::Mask | Unit::Logic { .. } | Unit::Select { .. } => 1,
         }

@@ -160,7 +160,7 @@ fn levels_on_a_device_are_those_of_the_table() {
         (Unit::Multiplier([word, word]), 7),
         (Unit::ConstantMultiplier { by: 0b101_0101, operand: word }, 4),
         (Unit::Shifter { bits: 30, places: 5 }, 5),
-        (Unit::LeadingZeros { bits: 31 }, 4),
+        (Unit::LeadingZeros { bits: 31 }, 5),
         (Unit::Table { entries: 128 }, 4),
         (Unit::Table { entries: 8 }, 1),
         (Unit::Select { bits: 16 }, 1),

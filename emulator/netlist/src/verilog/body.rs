@@ -82,9 +82,10 @@ impl Body<'_> {
         (low, top(a).max(top(b)))
     }
 
-    /// Bits among which leading zeros are counted.
+    /// Bits among which leading zeros are counted. On a device they are those of the word, for wires cost less than an adder behind the count.
     pub(crate) fn counted(&self, a: NodeId) -> u32 {
-        if self.range(a).signed() { self.context.net.node(a).kind.bits() } else { self.range(a).top() }
+        let is_whole = self.range(a).signed() || self.context.target != Target::Asic;
+        if is_whole { self.context.net.node(a).kind.bits() } else { self.range(a).top() }
     }
 
     /// Bits of a wire that are read at `rank` or later, registers to later ranks included.

@@ -153,8 +153,9 @@ pub(super) fn count_bits(most: u32) -> u32 {
 /// Module `leading_zeros_40`: a tree over groups of four bits. A level of it is one lookup table of four inputs.
 pub(super) fn leading_zeros(width: u32) -> String {
     let name = format!("leading_zeros_{width}");
-    let bits = count_bits(width).max(2);
-    // One place more than the value, so that there always is a one.
+    // A value that fills the tree may be zero. Any other has a place more in the tree, so that there always is a one.
+    let fills = width >= 4 && width.is_power_of_two();
+    let bits = if fills { width.ilog2() } else { count_bits(width).max(2) };
     let places = 1_u32 << bits;
     let about = [
         format!("Zeros above the highest one of {width} bits; {width} where there is none."),
@@ -166,15 +167,19 @@ pub(super) fn leading_zeros(width: u32) -> String {
         vector(width, false),
         vector(count_bits(width), false)
     );
-    // The last one is below every bit that is read.
-    let ones = places - width - 1;
-    let padded = if ones == 0 { "value".to_owned() } else { format!("{{value, {{{ones}{{1'b1}}}}}}") };
-    text += &format!("  wire [{}:1] w = {padded};\n", places - 1);
+    text += &if fills {
+        format!("  wire [{}:0] w = value;\n", places - 1)
+    } else {
+        // The last place is below every bit that is read.
+        let ones = places - width - 1;
+        let padded = if ones == 0 { "value".to_owned() } else { format!("{{value, {{{ones}{{1'b1}}}}}}") };
+        format!("  wire [{}:1] w = {padded};\n", places - 1)
+    };
     for group in 0..places >> 2 {
         let low = places - 4 - 4 * group;
         let [d, c, b] = [low + 3, low + 2, low + 1];
-        // Nobody asks whether a last group is zero.
-        if low > 0 {
+        // Nobody asks whether a last group is zero that has a one.
+        if low > 0 || fills {
             text += &format!("  wire z2_{group} = w[{d}:{low}] == 4'd0;\n");
         }
         text += &format!("  wire [1:0] c2_{group} = {{w[{d}:{c}] == 2'd0, ~w[{d}] & (w[{c}] | ~w[{b}])}};\n");
@@ -183,14 +188,19 @@ pub(super) fn leading_zeros(width: u32) -> String {
         let next = step + 1;
         for group in 0..places >> next {
             let [first, second] = [2 * group, 2 * group + 1];
-            if group + 1 < places >> next {
+            if group + 1 < places >> next || fills {
                 text += &format!("  wire z{next}_{group} = z{step}_{first} & z{step}_{second};\n");
             }
             let rest = format!("z{step}_{first} ? c{step}_{second} : c{step}_{first}");
             text += &format!("  wire [{step}:0] c{next}_{group} = {{z{step}_{first}, {rest}}};\n");
         }
     }
-    text + &format!("  assign count = c{bits}_0{};\n{END}", if width < 2 { "[0]" } else { "" })
+    let count = match (fills, width) {
+        (true, _) => format!("{{z{bits}_0, z{bits}_0 ? {} : c{bits}_0}}", literal(0, bits)),
+        (false, 1) => format!("c{bits}_0[0]"),
+        (false, _) => format!("c{bits}_0"),
+    };
+    text + &format!("  assign count = {count};\n{END}")
 }
 
 /// Name of the delay line.
