@@ -174,6 +174,16 @@ fn the_bench_in_vhdl_plays_back_its_words_and_names_an_altered_one() {
 }
 
 #[test]
+fn a_blank_device_says_how_signed_members_are_read_in_every_simulator() {
+    let written = Written::new(Device::Blank);
+    let device = fs::read_to_string(written.bench().join("bench_narrow_device.sv")).expect("the device");
+    assert!(
+        device.contains("Icarus 11 reads a signed member") && device.contains("$signed(inputs.normal_x)"),
+        "{device}"
+    );
+}
+
+#[test]
 fn a_device_that_is_there_stays_and_a_damaged_set_is_refused() {
     let written = Written::new(Device::Blank);
     let kept = written.read().and_then(|bench| bench.write(&written.bench(), Device::Generated, false));

@@ -4,7 +4,6 @@ use super::operation::Operation;
 use crate::graph::{Kind, NodeId, Op};
 use crate::range::{Exact, Range, Ranges, difference};
 use crate::relational_facts::RelationalFacts;
-use crate::target::Target;
 use crate::unit::{Unit, signed_digits, signed_powers};
 use crate::verilog::body::{Body, mask};
 use crate::verilog::value::{Value, constant_bits};
@@ -158,7 +157,7 @@ fn below_constant(
             _ => runs.push((at, at + 1)),
         }
     }
-    if body.context.target == Target::Asic || runs.len() > MOST_RUNS {
+    if !body.has_lookup_tables() || runs.len() > MOST_RUNS {
         return None;
     }
     let mut text = String::new();

@@ -78,13 +78,18 @@ impl Body<'_> {
         let signed = a.signed() || b.signed();
         let top = |range: Range| range.top() + u32::from(signed && !range.signed());
         // Bits below the lowest one of b make no difference. On gates a tool leaves them out.
-        let low = if self.context.target == Target::Asic { a.zeros.min(b.zeros) } else { b.zeros };
+        let low = if self.has_lookup_tables() { b.zeros } else { a.zeros.min(b.zeros) };
         (low, top(a).max(top(b)))
+    }
+
+    /// True if logic becomes lookup tables, not gates.
+    pub(crate) fn has_lookup_tables(&self) -> bool {
+        self.context.target != Target::Asic
     }
 
     /// Bits among which leading zeros are counted. On a device they are those of the word, for wires cost less than an adder behind the count.
     pub(crate) fn counted(&self, a: NodeId) -> u32 {
-        let is_whole = self.range(a).signed() || self.context.target != Target::Asic;
+        let is_whole = self.range(a).signed() || self.has_lookup_tables();
         if is_whole { self.context.net.node(a).kind.bits() } else { self.range(a).top() }
     }
 

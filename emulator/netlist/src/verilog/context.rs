@@ -18,7 +18,7 @@ pub(crate) struct Context<'a> {
     /// Most levels between registers.
     pub(super) depth: Option<u32>,
     /// Device that says what a level is.
-    pub(crate) target: Target,
+    pub(super) target: Target,
     /// Prefix of module names.
     pub(super) prefix: &'a str,
     /// Lines at the end of every header: profile, stages that are on.

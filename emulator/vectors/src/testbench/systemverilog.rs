@@ -73,9 +73,17 @@ const PASSED_THROUGH: &str = "  \
 
 /// The body of a device for the user to fill in.
 fn blank(Fields { inputs, outputs }: &Fields) -> String {
+    let first = inputs.iter().find(|field| field.signed);
+    let about = first.map_or_else(String::new, |field| {
+        let member = format!("inputs.{}", column(field));
+        format!(
+            " Icarus 11 reads a signed member of a packed structure as unsigned. Products, comparisons, right shifts and\n  \
+             // wider wires are then wrong; $signed({member}) is right in every simulator."
+        )
+    });
     let inputs = lines(inputs, |field| format!("  //   inputs.{}: {}", column(field), note(field)));
     let outputs = lines(outputs, |field| format!("  assign outputs.{} = '0;  // {}", column(field), note(field)));
-    format!("{PASSED_THROUGH}\n  // The inputs:\n{inputs}\n\n{outputs}")
+    format!("{PASSED_THROUGH}\n  // The inputs.{about}\n{inputs}\n\n{outputs}")
 }
 
 /// The body that connects the generated top, or the module of a stage: a port for each field, and no other port. Taps that are
