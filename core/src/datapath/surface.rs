@@ -50,13 +50,16 @@ pub fn lobe_law<W: Staged>(
     stage!(
         "filter.law",
         LobeLaw {
-            weight: filter::weight_between([fine.weight, coarse.weight], level_weight),
-            widths: each!(i in [0, 1] => filter::width_between([fine.widths[i], coarse.widths[i]], level_weight)),
+            weight: filter::law_between::<_, SHARE, { SHARE + LEVEL_WEIGHT }>(
+                [fine.weight, coarse.weight],
+                level_weight
+            ),
+            widths: each!(i in [0, 1] => filter::law_between::<_, OFFSET, { OFFSET + LEVEL_WEIGHT }>([fine.widths[i], coarse.widths[i]], level_weight)),
         }
     )
 }
 
-/// One of two lobes of a rough surface: its roughness tangents.
+/// Roughness tangents of one of two lobes.
 #[inline(always)]
 pub fn lobe<W: Staged>(rough: &[Block<W, 3>; 2], width: Control<W, OFFSET>, p: &Precision) -> [Block<W, 3>; 2] {
     stage!("roughness.lobe", roughness::lobe(rough, width, p))

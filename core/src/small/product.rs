@@ -1,6 +1,6 @@
 //! Products on a processor without a multiplier: of narrow words by a table, of wide words by adds.
 
-/// ⌊n²/4⌋ at the place n + 1024: x·y is the difference between the entries for x + y and x − y.
+/// Table of ⌊n²/4⌋ at the place n + 1024: x·y is the difference between the entries for x + y and x − y.
 static QUARTERS_OF_SQUARES: [u32; 2048] = {
     let mut table = [0; 2048];
     let mut place = 0;

@@ -7,7 +7,7 @@
 use crate::bundle::bundle;
 use crate::each::{each, places};
 use crate::fx::{Control, Fx, Int, Wide, WideControl};
-use crate::ports::{LOD, OFFSET, POSITION, SHARE};
+use crate::ports::{LOD, POSITION, SHARE};
 use crate::precision::Precision;
 use crate::signals::TexturePosition;
 use crate::word::{Wire, Word};
@@ -185,26 +185,14 @@ pub fn between<C: Word<Count = C>>(fine: Fx<C, 32>, coarse: Fx<C, 32>, level_wei
     Fx::from_raw(C::narrow(sum.add(Wire::lit(1 << 11)).sar(12)))
 }
 
-/// Weight of a lobe between two levels of a map, rounded once. Equal levels give exactly the weight.
+/// Weight or width of a lobe between two levels of a map, rounded once; `SUM` is `INT` and the bits of a level's weight. Equal levels give exactly theirs.
 #[inline(always)]
-pub fn weight_between<C: Word<Count = C>>(
-    [fine, coarse]: [Fx<C, SHARE>; 2],
+pub fn law_between<C: Word<Count = C>, const INT: u32, const SUM: u32>(
+    [fine, coarse]: [Fx<C, INT>; 2],
     level_weight: Fx<C, LEVEL_WEIGHT>,
-) -> Fx<C, SHARE> {
-    let one: Fx<C, LEVEL_WEIGHT> = Fx::int(1);
-    let sum: Wide<C, { SHARE + LEVEL_WEIGHT }> = fine.mul(one - level_weight);
-    (sum + coarse.mul(level_weight)).round_to(16)
-}
-
-/// Width of a lobe between two levels of a map, rounded once. Equal levels give exactly the width.
-#[inline(always)]
-pub fn width_between<C: Word<Count = C>>(
-    [fine, coarse]: [Fx<C, OFFSET>; 2],
-    level_weight: Fx<C, LEVEL_WEIGHT>,
-) -> Fx<C, OFFSET> {
-    let one: Fx<C, LEVEL_WEIGHT> = Fx::int(1);
-    let sum: Wide<C, { OFFSET + LEVEL_WEIGHT }> = fine.mul(one - level_weight);
-    (sum + coarse.mul(level_weight)).round_to(28)
+) -> Fx<C, INT> {
+    let sum: Wide<C, SUM> = fine.mul(Fx::<C, LEVEL_WEIGHT>::int(1) - level_weight);
+    (sum + coarse.mul(level_weight)).round_to(Fx::<C, INT>::FRACTION)
 }
 
 /// Value for the texel that does not exist at a corner of the cube: the mean of the three that meet there.

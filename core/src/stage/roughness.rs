@@ -40,7 +40,7 @@ pub fn anisotropic<W: Word>(
     [times(d[0], e1, p.fraction_bits), normalise(sum, top, p.fraction_bits)]
 }
 
-/// One of two lobes: the tangents times its width, 0…4. A power of two changes the exponent alone.
+/// Tangents of one of two lobes: those of the roughness times its width, 0…4. A power of two changes the exponent alone.
 #[inline(always)]
 pub fn lobe<W: Word>(rough: &[Block<W, 3>; 2], width: Control<W, OFFSET>, p: &Precision) -> [Block<W, 3>; 2] {
     let width = Fx::of_control::<OFFSET>(width);

@@ -20,7 +20,7 @@ REGION_ALIAS(\"REGION_STACK\", RAM);
 
 /// Program that runs without a start-up library, on soft cores that lack the registers such a library writes.
 const BARE: &str = "clocks";
-/// Its memory: block RAM of a soft core, at the place of QEMU's.
+/// Memory of that program: block RAM of a soft core, at the place of QEMU's.
 const BARE_LAYOUT: &str = "ENTRY(_bare)
 SECTIONS {
     . = 0x80000000;

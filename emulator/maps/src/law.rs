@@ -107,13 +107,13 @@ impl Histogram {
         }
     }
 
-    /// Counts of both.
+    /// Sum of two histograms.
     pub(crate) fn plus(mut self, other: &Self) -> Self {
         self.0.iter_mut().zip(&other.0).for_each(|(sum, count)| *sum += count);
         self
     }
 
-    /// z² at the middle of every bin with its share of all counts, scaled to the mean 2.
+    /// Values of z² at the middle of every bin with their share of all counts, scaled to the mean 2.
     fn shares(&self) -> Vec<[f64; 2]> {
         let all: u64 = self.0.iter().sum();
         let middle = |bin: usize| {

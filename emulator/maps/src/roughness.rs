@@ -209,7 +209,7 @@ impl Metric {
         lengths
     }
 
-    /// z² of a group of bumps.
+    /// Squares z² of a group of bumps.
     #[inline(always)]
     pub(crate) fn squares(self, offsets: &[[i16; 2]; LANES], mean: [f64; 2]) -> [f64; LANES] {
         let mut squares = [0.0; LANES];

@@ -11,7 +11,7 @@
 //! | mul by a constant of d digits | 2 for each level of an adder tree of d rows |
 //! | shift by a count | a select for each bit of the count |
 //! | leading zeros of w bits | ⌈log₂ w⌉ |
-//! | table of n entries | ⌈log₂ n⌉ − 3, at least 1; above 64 entries it is a block memory, and these levels are behind the edge that reads it |
+//! | table of n entries | ⌈log₂ n⌉ − 3, at least 1; above 64 entries it is a block memory: 5, behind the edge that reads it |
 //! | and, or, xor, select | 1 |
 //! | choice among n wires by the phase | ⌈½ log₂ n⌉ + 1 |
 
@@ -109,6 +109,7 @@ impl Target {
             Unit::ConstantMultiplier { by, .. } => 2 * log2_above(signed_digits(by)),
             Unit::Shifter { places, .. } => places,
             Unit::LeadingZeros { bits } => log2_above(bits).max(1),
+            Unit::Table { .. } if self.is_clocked(unit) => 5,
             Unit::Table { entries } => log2_above(entries).saturating_sub(3).max(1),
             Unit::Mask | Unit::Logic { .. } | Unit::Select { .. } => 1,
         }

@@ -302,8 +302,10 @@ impl Prepared {
     fn context<'a>(&'a self, options: &'a Options, origin: &'a str) -> Context<'a> {
         let Options { target, ref prefix, .. } = *options;
         let default = if options.multipliers.is_some() { Some(target.folded_depth()) } else { target.flat_depth() };
-        let depth = options.depth.or(default);
-        Context { net: &self.net, ranges: &self.ranges, depth, target, prefix, origin }
+        let context = Context { net: &self.net, ranges: &self.ranges, depth: default, target, prefix, origin };
+        // On a device a product has the levels of any depth, so an operation that is deeper than the default is a product by a constant.
+        let enough = |depth: u32| if target == Target::Asic { depth } else { depth.max(context.least_depth()) };
+        Context { depth: options.depth.or_else(|| default.map(enough)), ..context }
     }
 
     fn module(&self, context: Context, group: &Group) -> Result<Module, VerilogError> {

@@ -123,7 +123,7 @@ pub enum Deviation {
     Mean,
     /// All bumps, by their squares (S97 §8): the standard deviation.
     RootMeanSquare,
-    /// All bumps, by their squares. If they are not normally distributed, reflections have two lobes with the weights and widths of the map's own law.
+    /// Root mean square of all bumps. If they are not normally distributed, reflections have two lobes with the weights and widths of the map's own law.
     Law,
 }
 

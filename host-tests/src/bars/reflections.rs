@@ -32,7 +32,7 @@ pub struct ReflectionFigures {
     pub bands: [[f64; 3]; BANDS],
     /// PSNR, dB, at the exposure that gives the brightest channel of the truth the value 1.
     pub psnr: f64,
-    /// The same of 16 samples a pixel.
+    /// PSNR of 16 samples a pixel against the same truth, dB.
     pub psnr_of_16_samples: f64,
 }
 

@@ -9,7 +9,7 @@ use roughxel_host_tests::checked::Visible;
 use roughxel_host_tests::space::whole_or;
 use roughxel_utilities::random::SplitMix64;
 
-/// N is the least for which N·λ₂ reaches λ₁ but for its noise, and it is capped if `max_probes` do not.
+/// Checks that N is the least for which N·λ₂ reaches λ₁ but for its noise, and that it is capped if `max_probes` do not.
 #[test]
 fn the_number_of_probes_is_the_least_that_reaches_the_major_axis() {
     number_of_probes_is_the_least::<i32>();

@@ -20,7 +20,7 @@ use roughxel_utilities::random::SplitMix64;
 use super::rtl::{Case, FULL, options};
 
 /// Plans of a reflection: all effects, footprints of smooth texels, a mirror.
-pub(super) const PLANS: [(&str, Effects); 3] = [
+const PLANS: [(&str, Effects); 3] = [
     ("full", FULL),
     ("footprint", Effects { roughness: RoughnessKind::None, ..FULL }),
     ("mirror", Effects { footprint: FootprintKind::None, ..Effects::NONE }),
@@ -161,7 +161,9 @@ fn levels_on_a_device_are_those_of_the_table() {
         (Unit::ConstantMultiplier { by: 0b101_0101, operand: word }, 4),
         (Unit::Shifter { bits: 30, places: 5 }, 5),
         (Unit::LeadingZeros { bits: 31 }, 5),
-        (Unit::Table { entries: 128 }, 4),
+        (Unit::Table { entries: 128 }, 5),
+        (Unit::Table { entries: 1024 }, 5),
+        (Unit::Table { entries: 64 }, 3),
         (Unit::Table { entries: 8 }, 1),
         (Unit::Select { bits: 16 }, 1),
         (Unit::Wires, 0),

@@ -84,8 +84,13 @@ pub(super) struct Written {
 
 impl Written {
     fn new(design: Design, options: &Options) -> Self {
-        let verilog = record::verilog(design, options)
-            .unwrap_or_else(|error| panic!("{} {}: {error}", design.name(), options.profile));
+        Self::from_verilog(
+            record::verilog(design, options)
+                .unwrap_or_else(|error| panic!("{} {}: {error}", design.name(), options.profile)),
+        )
+    }
+
+    pub(super) fn from_verilog(verilog: Verilog) -> Self {
         let directory = tempfile::tempdir_in(runtime()).expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         Self { directory, verilog }

@@ -15,10 +15,9 @@ const LAW: &str = "bump_deviation = \"law\"";
 /// Lines of a material with one lobe of the same variance.
 const ONE_LOBE: &str = "bump_deviation = \"root-mean-square\"\ntwo_lobes = false";
 
-/// Largest ratio of the brightest band and channel to its truth.
+/// Largest ratio of the brightest band and channel to its truth; with one lobe it is up to 1.35.
 const BRIGHTEST: f64 = 1.22;
 
-/// One lobe brightens the distance by up to 1.35.
 #[test]
 fn lobes_of_the_maps_own_law_bring_the_far_bands_nearer_to_the_truth() {
     let far = |name: &str, slope: f64, keys: &str| {

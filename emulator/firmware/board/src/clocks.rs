@@ -22,7 +22,7 @@ struct Core {
     name: &'static str,
     /// Processor for which its programs are built.
     target: Target,
-    /// Its package. `cores/PACKAGE.v` of the firmware connects it to the memory.
+    /// Package of its sources. `cores/PACKAGE.v` of the firmware connects it to the memory.
     package: &'static str,
     /// File or folder of its sources in the package.
     sources: &'static str,

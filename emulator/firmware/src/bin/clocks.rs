@@ -26,7 +26,7 @@ include!(concat!(env!("OUT_DIR"), "/plan.rs"));
 
 core::arch::global_asm!(".section .start, \"ax\"", ".globl _bare", "_bare:", "la sp, _stack_top", "j {main}", main = sym main);
 
-/// A measured fragment is one of so many samples: a bit-serial core takes a second of simulation for each.
+/// Samples to a measured fragment: a bit-serial core takes a second of simulation for each.
 const STRIDE: usize = 4;
 
 /// Fragment as the datapath and the f32 baseline read it.
@@ -66,7 +66,7 @@ impl fmt::Write for Serial {
 
 /// Result whose bits enter a check value.
 trait Checked {
-    /// All bits of the result, folded.
+    /// Folds the bits of the result into a check value.
     fn check(&self, so_far: u32) -> u32;
 }
 

@@ -134,7 +134,7 @@ impl Operation for Lt {
     }
 }
 
-/// Most runs of equal bits in a constant that lookup tables compare.
+/// Largest number of runs of equal bits in a constant that lookup tables compare.
 const MOST_RUNS: usize = 5;
 
 /// Comparison of bits `low` up to `high` of a wire with a constant, in tables of four inputs: a carry chain would take one for each bit. `None` on gates,

@@ -7,7 +7,7 @@ use crate::relational_facts::RelationalFacts;
 use crate::unit::Unit;
 use crate::verilog::body::{Body, mask};
 
-/// Leading zero bits of a wire as wide as the operand's kind: an instance of a counter (`verilog/module.rs`).
+/// Leading zero bits of a wire as wide as the operand's kind: an instance of a counter (`verilog/rom.rs`).
 pub(super) struct LeadingZeros(pub NodeId);
 
 impl Operation for LeadingZeros {
