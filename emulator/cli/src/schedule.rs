@@ -51,6 +51,10 @@ pub(super) struct ScheduleArgs {
     /// Most logic levels in a cycle.
     #[arg(long, value_name = "LEVELS", value_parser = clap::value_parser!(u32).range(1..=1000))]
     depth: Option<u32>,
+    /// Outputs that are ports, as paths or beginnings of paths: `probes,point.st,status`. What only other outputs need takes no cycle. Without this
+    /// option the outcomes of all stages are ports.
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    outputs: Vec<String>,
     /// List every use of a unit: unit, phase, cycle, run of a repeated stage, operation.
     #[arg(long)]
     slots: bool,
@@ -80,10 +84,12 @@ pub(super) fn run(args: &ScheduleArgs) -> Result<(), Failure> {
             multipliers: Some(multipliers),
             depth: args.depth,
             target: args.target,
+            outputs: args.outputs.clone(),
             ..Options::new(&profile.name, profile.precision, effects)
         };
         match Folded::from_net(net.clone(), &options) {
             Err(VerilogError::Unproven(violations)) => Err(unproven(&violations)),
+            Err(error @ VerilogError::UnknownOutput(_)) => Err(Failure::Usage(error.to_string())),
             other => Ok((multipliers, other?)),
         }
     };

@@ -54,6 +54,10 @@ pub(super) struct VerilogArgs {
     /// option it has one for each product and takes a fragment each cycle.
     #[arg(long, value_name = "COUNT", conflicts_with = "stage", value_parser = clap::value_parser!(u32).range(1..=1024))]
     multipliers: Option<u32>,
+    /// Outputs that are ports, as paths or beginnings of paths: `probes,point.st,status`. What only other outputs need is left out. Without this
+    /// option the outcomes of all stages are ports.
+    #[arg(long, value_delimiter = ',', conflicts_with_all = ["stage", "scene"], value_name = "LIST")]
+    outputs: Vec<String>,
     /// Write a shell too: MODULE_shell.v has two AXI4-Streams with words of this many bits, and AXI4-Lite registers for the constants of an
     /// object. Project files for LiteX, FuseSoC, IP-XACT and constraints, a register map and a testbench stand beside it.
     #[arg(long, value_name = "BITS", conflicts_with = "stage", value_parser = clap::value_parser!(u32).range(i64::from(*STREAM_BITS.start())..=i64::from(*STREAM_BITS.end())))]
@@ -159,6 +163,7 @@ fn write(
         depth: args.depth,
         target: args.target,
         multipliers: args.multipliers,
+        outputs: args.outputs.clone(),
         stream: args.stream,
         clock: args.clock,
         stage: args.stage.clone(),
@@ -166,7 +171,9 @@ fn write(
     };
     let verilog = match record::verilog(design, &options) {
         Err(VerilogError::Unproven(violations)) => return Err(unproven(&violations)),
-        Err(error @ VerilogError::UnknownStage { .. }) => return Err(Failure::Usage(error.to_string())),
+        Err(error @ (VerilogError::UnknownStage { .. } | VerilogError::UnknownOutput(_))) => {
+            return Err(Failure::Usage(error.to_string()));
+        }
         other => other?,
     };
     let bench = shell_bench(design, &options, &verilog)?;

@@ -50,17 +50,28 @@ impl Chain {
 
     /// Adds an instance of a design that is folded on this many multipliers.
     pub(crate) fn add(&mut self, name: &str, design: Design, multipliers: u32) -> Result<(), VerilogError> {
+        self.add_with(name, design, multipliers, Vec::new())
+    }
+
+    /// Adds an instance that has only some outputs ([`Options::outputs`]).
+    pub(crate) fn add_with(
+        &mut self,
+        name: &str,
+        design: Design,
+        multipliers: u32,
+        outputs: Vec<String>,
+    ) -> Result<(), VerilogError> {
         if !self.made.contains_key(&design) {
-            let made = self.make(design, multipliers)?;
+            let made = self.make(design, multipliers, outputs)?;
             self.made.insert(design, made);
         }
         self.instances.push(Instance { name: name.into(), design, inputs: Vec::new(), read: BTreeSet::new() });
         Ok(())
     }
 
-    fn make(&mut self, design: Design, multipliers: u32) -> Result<Made, VerilogError> {
+    fn make(&mut self, design: Design, multipliers: u32, outputs: Vec<String>) -> Result<Made, VerilogError> {
         let prefix = format!("{}_", design.name());
-        let options = Options { multipliers: Some(multipliers), prefix, ..self.options.clone() };
+        let options = Options { multipliers: Some(multipliers), outputs, prefix, ..self.options.clone() };
         let net = record::net(design, &options.effects, &options.precision);
         let ranges = Ranges::new(&net);
         let constant = |output: &roughxel_netlist::graph::Tap| {
@@ -94,6 +105,11 @@ impl Chain {
     /// Input ports of an instance.
     pub(crate) fn inputs(&self, name: &str) -> &[PortDescription] {
         &self.made(name).interface.inputs
+    }
+
+    /// Ports of the probe that hold its footprint.
+    pub(crate) fn footprint(&self) -> impl Iterator<Item = &PortDescription> {
+        self.inputs("probe").iter().filter(|port| !["index", "last_level"].contains(&port.name.as_str()))
     }
 
     /// Format of an input port; `None` if the design does not read it.

@@ -128,8 +128,12 @@ impl Device {
             Footprint::Face => (Design::EnvironmentProbe, PROBE_MULTIPLIERS[0]),
             Footprint::Sphere => (Design::SphereProbe, PROBE_MULTIPLIERS[1]),
         };
-        chain.add("reflect", Design::Reflection, *multipliers)?;
         chain.add("probe", probe, probe_multipliers)?;
+        let mut footprint_outputs: Vec<_> = chain.footprint().map(|port| port.name.clone()).collect();
+        if footprint == Footprint::Face {
+            footprint_outputs.push("probes.lod".to_owned());
+        }
+        chain.add_with("reflect", Design::Reflection, *multipliers, footprint_outputs)?;
         let singles = [
             ("levels", Design::Levels),
             ("address", Design::FaceAddress),

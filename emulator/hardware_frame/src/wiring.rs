@@ -77,9 +77,8 @@ struct Widths {
 impl Widths {
     fn new(chain: &Chain, footprint: Footprint) -> Self {
         let input = |name, path| chain.input(name, path).unwrap_or_else(|| unreachable!("{name} reads {path}"));
-        let of_footprint = |port: &&PortDescription| !["index", "last_level"].contains(&port.name.as_str());
         Self {
-            foot: chain.inputs("probe").iter().filter(of_footprint).cloned().collect(),
+            foot: chain.footprint().cloned().collect(),
             lod: (footprint == Footprint::Face).then(|| input("levels", "lod")),
             place: [input("address", "place.st[0]"), input("address", "place.st[1]")],
             level_weight: input("sample", "level_weight"),

@@ -4,6 +4,7 @@ use std::panic::Location;
 
 use roughxel_core::bundle::Step;
 use roughxel_core::rom::upper;
+use thiserror::Error;
 
 /// Index of a node in [`Net::nodes`].
 pub type NodeId = u32;
@@ -276,6 +277,23 @@ pub struct Tap {
     pub node: NodeId,
 }
 
+impl Tap {
+    /// Name of an output; `result` if it is the only one and has no path.
+    pub fn output_name(&self) -> &str {
+        if self.name.is_empty() { "result" } else { &self.name }
+    }
+}
+
+/// A path that leads to no output of a design.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("no output is `{path}` or begins with it; they are {}", .known.join(", "))]
+pub struct UnknownOutput {
+    /// Requested path.
+    pub path: String,
+    /// First fields of the outputs of the design.
+    pub known: Vec<String>,
+}
+
 /// A recorded design.
 #[derive(Clone, Debug, Default)]
 pub struct Net {
@@ -339,7 +357,39 @@ impl Net {
         }
     }
 
-    /// Drops every node that no output needs, and taps of dropped nodes. Ports stay.
+    /// Keeps the outputs that one of these paths leads to: `probes` is `probes.count`, `probes.step[0]` and so on. Without paths it keeps all.
+    /// An output that is not kept is the constant 0, which has no port, so its place stays. What only it needs goes.
+    ///
+    /// Errors: a path that leads to no output.
+    pub fn with_outputs(mut self, paths: &[String]) -> Result<Self, UnknownOutput> {
+        if paths.is_empty() {
+            return Ok(self);
+        }
+        let leads_to = |path: &str, output: &Tap| {
+            let rest = output.output_name().strip_prefix(path);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        };
+        if let Some(path) = paths.iter().find(|path| !self.outputs.iter().any(|output| leads_to(path, output))) {
+            let first = |output: &Tap| {
+                let name = output.output_name();
+                let end = name.char_indices().skip(1).find(|(_, letter)| ".[".contains(*letter));
+                name[..end.map_or(name.len(), |(end, _)| end)].to_owned()
+            };
+            let mut known: Vec<String> = self.outputs.iter().map(first).collect();
+            known.dedup();
+            return Err(UnknownOutput { path: path.clone(), known });
+        }
+        for output in &mut self.outputs {
+            if !paths.iter().any(|path| leads_to(path, output)) {
+                let node = Node { op: Op::Lit(0), stage: None, part: None, ..self.nodes[output.node as usize] };
+                output.node = self.nodes.len() as NodeId;
+                self.nodes.push(node);
+            }
+        }
+        Ok(self.without_dead_wires())
+    }
+
+    /// Drops every node that no output needs, taps of dropped nodes, and runs of stages that have nothing left. Ports stay.
     pub fn without_dead_wires(self) -> Self {
         let mut alive = vec![false; self.nodes.len()];
         for port in &self.ports {
@@ -363,12 +413,28 @@ impl Net {
                 nodes.push(Node { op: node.op.map(|operand| place[operand as usize]), ..node });
             }
         }
+        let mut taps: Vec<Tap> = self.taps.into_iter().filter(|tap| alive[tap.node as usize]).collect();
+        let mut used = vec![false; self.runs.len()];
+        for stage in nodes.iter().filter_map(|node| node.stage).chain(taps.iter().filter_map(|tap| tap.stage)) {
+            used[stage as usize] = true;
+        }
+        let mut runs = Vec::new();
+        let mut run_place = Vec::new();
+        for (run, used) in self.runs.into_iter().zip(used) {
+            run_place.push(runs.len() as u32);
+            if used {
+                runs.push(run);
+            }
+        }
+        for stage in nodes.iter_mut().map(|node| &mut node.stage).chain(taps.iter_mut().map(|tap| &mut tap.stage)) {
+            *stage = stage.map(|stage| run_place[stage as usize]);
+        }
         let moved = |tap: Tap| Tap { node: place[tap.node as usize], ..tap };
         Self {
             nodes,
-            runs: self.runs,
+            runs,
             ports: self.ports.into_iter().map(|port| Port { node: place[port.node as usize], ..port }).collect(),
-            taps: self.taps.into_iter().filter(|tap| alive[tap.node as usize]).map(moved).collect(),
+            taps: taps.into_iter().map(moved).collect(),
             outputs: self.outputs.into_iter().map(moved).collect(),
             limits: self.limits,
         }

@@ -67,6 +67,8 @@ pub struct Options {
     pub target: Target,
     /// Multipliers on which the design is folded; `None` has one for each product and takes a fragment each cycle.
     pub multipliers: Option<u32>,
+    /// Paths of the outputs that are ports ([`Net::with_outputs`]); none for all of them.
+    pub outputs: Vec<String>,
     /// Bits of the words of an AXI4-Stream shell around the outermost module; `None` writes no shell.
     pub stream: Option<u32>,
     /// Clock in the constraints of the shell, MHz; without it that of the depth ([`Target::clock_mhz`]).
@@ -89,6 +91,7 @@ impl Options {
             depth: None,
             target: Target::Asic,
             multipliers: None,
+            outputs: Vec::new(),
             stream: None,
             clock: None,
             stage: None,
@@ -138,7 +141,7 @@ impl Verilog {
     ///
     /// Errors: everything [`VerilogError`] lists.
     pub fn new(design: Design, net: Net, options: &Options) -> Result<Self, VerilogError> {
-        let prepared = Prepared::new(net)?;
+        let prepared = Prepared::new(net, options)?;
         let own = design.datapath().map_or(Effects::NONE, |datapath| options.effects.restricted_to(datapath));
         let (effects, frame) = (names(&own), frame(&own));
         let origin =
@@ -210,7 +213,7 @@ impl Folded {
     ///
     /// Errors: everything [`VerilogError`] lists.
     pub fn from_net(net: Net, options: &Options) -> Result<Self, VerilogError> {
-        let prepared = Prepared::new(net)?;
+        let prepared = Prepared::new(net, options)?;
         let context = prepared.context(options, "");
         fold::fold(context, &prepared.own_ranges, &prepared.groups, options.multipliers.unwrap_or(1))
     }
@@ -243,7 +246,7 @@ impl Written {
             let name = top_name(design);
             let top = pipeline::top(context, &name, design.description(), groups, &modules)?;
             verilog.register_bits = top.register_bits;
-            let stepper = stepper::stepper(&top.interface, &top.unread, context.origin);
+            let stepper = stepper::stepper(&top.interface, &top.unread, prepared.net.outputs.len(), context.origin);
             verilog.files.insert(format!("{name}.v"), top.text);
             instances = top.instances;
             if top.uses_delay || stepper.is_some() {
@@ -285,7 +288,8 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn new(net: Net) -> Result<Self, VerilogError> {
+    fn new(net: Net, options: &Options) -> Result<Self, VerilogError> {
+        let net = net.with_outputs(&options.outputs)?;
         let own_ranges = Ranges::new(&net);
         if !own_ranges.violations.is_empty() {
             return Err(VerilogError::Unproven(own_ranges.violations));

@@ -99,6 +99,9 @@ impl Text {
 }
 
 impl Cell {
+    /// Paths of the outcome that the next design of a device reads: the footprint for its probes, and the status.
+    const OUTPUTS: [&str; 6] = ["point.select", "point.st", "probes.count", "probes.step", "probes.lod", "status"];
+
     /// Options of the generator, with an AXI4-Stream shell if there is a width.
     ///
     /// Errors: the profile has no such name.
@@ -107,7 +110,14 @@ impl Cell {
         let precision = precision
             .ok_or_else(|| format!("profile `{}` is unknown; there are {}", self.profile, Profile::NAMES.join(", ")))?;
         let Self { multipliers, target, .. } = *self;
-        Ok(Options { target, multipliers, stream, ..Options::new(&self.profile, precision, self.plan.effects()) })
+        let outputs = Self::OUTPUTS.map(str::to_owned).to_vec();
+        Ok(Options {
+            target,
+            multipliers,
+            outputs,
+            stream,
+            ..Options::new(&self.profile, precision, self.plan.effects())
+        })
     }
 
     /// Generates the Verilog.

@@ -84,7 +84,7 @@ pub fn text(results: &Results) -> String {
         "# Floor plan of accuracy\n\n\
          Made by `cargo run --release -p roughxel-host-tests --bin floorplan` from [`floorplan.json`](floorplan.json).\n\
          Tools: {}.\n\n\
-         A row is the datapath `reflection` in its AXI4-Stream shell, synthesised, placed and routed.\n\
+         A row is the datapath `reflection` in its AXI4-Stream shell, synthesised, placed and routed. Its outputs are the footprint and the status.\n\
          K is the number of multipliers on which the design is folded; `flat` has one for each product. Interval and latency are in cycles.\n\
          Cells are those of Yosys with the shell; in brackets those without it, if they are others.\n\
          The clock is what nextpnr reports, so the design runs between registers of the shell.\n\

@@ -6,6 +6,7 @@ mod c_library;
 mod floorplan;
 mod folded;
 mod frame;
+mod outputs;
 mod folder;
 mod coverage;
 mod check;

@@ -21,7 +21,6 @@ use roughxel_host_tests::space::{in_turn, is_full_run, profiles, whole_or};
 use roughxel_netlist::bench::Bench;
 use roughxel_netlist::graph::{Net, Op};
 use roughxel_netlist::interval::Ranges;
-use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{Interface, Options, PortDescription, Verilog, VerilogError};
 use roughxel_record as record;
 use roughxel_utilities::output::write_files;
@@ -62,18 +61,8 @@ fn variants() -> [(&'static str, Effects); 5] {
 }
 
 pub(super) fn options(profile: &str, effects: Effects, depth: Option<u32>) -> Options {
-    Options {
-        profile: profile.into(),
-        precision: Profile::by_name(profile).map(Profile::precision).expect("a profile"),
-        effects,
-        depth,
-        target: Target::Asic,
-        multipliers: None,
-        stream: None,
-        clock: None,
-        stage: None,
-        prefix: String::new(),
-    }
+    let precision = Profile::by_name(profile).map(Profile::precision).expect("a profile");
+    Options { depth, ..Options::new(profile, precision, effects) }
 }
 
 /// A design in its own directory.

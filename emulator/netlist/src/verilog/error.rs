@@ -4,6 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+use crate::graph::UnknownOutput;
 use crate::interval::Violation;
 
 /// Reasons why nothing was written.
@@ -42,6 +43,9 @@ pub enum VerilogError {
         /// Modules of the design.
         known: Vec<String>,
     },
+    /// An output that the design does not have.
+    #[error(transparent)]
+    UnknownOutput(#[from] UnknownOutput),
     /// A port of a stage's module that a field of a vector cannot hold.
     #[error(
         "port {port} has {width} bits, {fraction_bits} of them behind the binary point; a vector's field has 1 to 32, and none or more"

@@ -95,7 +95,7 @@ pub(super) fn outputs(context: Context, names: &mut Names) -> Vec<PortDescriptio
         let kind = net.node(output.node).kind;
         let range = context.ranges.of(output.node);
         let format = Format::new(range, output.fraction_bits, kind == Kind::Flag);
-        let name = if output.name.is_empty() { "result" } else { &output.name };
+        let name = output.output_name();
         let verilog = names.take(&format!("out_{}_{format}", identifier(name)));
         outputs.push(PortDescription::new(name, &verilog, format, [range.low, range.high], place));
     }

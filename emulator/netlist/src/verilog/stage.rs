@@ -67,7 +67,7 @@ impl Stages {
     ///
     /// Errors: everything [`VerilogError`] lists.
     pub fn new(net: Net, options: &Options) -> Result<Self, VerilogError> {
-        let prepared = Prepared::new(net)?;
+        let prepared = Prepared::new(net, options)?;
         let wanted = prepared.chosen(options.stage.as_deref())?;
         // The module's text is not kept, so it has no line about its origin.
         let options =

@@ -16,8 +16,13 @@ const COUNT: &str = "probes.count";
 /// Port that accompanies every probe.
 const LOD: &str = "probes.lod";
 
-/// Stepper around a step; `None` if the design is no step.
-pub(super) fn stepper(step: &Interface, unread: &[PortDescription], origin: &str) -> Option<(Interface, String)> {
+/// Stepper around a step with this many outputs, ports or not; `None` if the design is no step.
+pub(super) fn stepper(
+    step: &Interface,
+    unread: &[PortDescription],
+    end: usize,
+    origin: &str,
+) -> Option<(Interface, String)> {
     let named = |ports: &[PortDescription], name: &str| ports.iter().find(|port| port.name == name).cloned();
     let input = |name| named(&step.inputs, name);
     // The step does not read the level of detail, but the reader of its probes does.
@@ -29,7 +34,6 @@ pub(super) fn stepper(step: &Interface, unread: &[PortDescription], origin: &str
     let mut inputs: Vec<_> = step.inputs.iter().filter(|port| port.name != INDEX).cloned().collect();
     inputs.push(lod.clone());
     let mut outputs = step.outputs.clone();
-    let end = outputs.len();
     let lod_name = format!("out_lod_{}", lod.format);
     outputs.push(PortDescription::new("lod", &lod_name, lod.format, [lod.low, lod.high], end));
     let flag = Format::new(Range { low: 0, high: 1, zeros: 0 }, 0, true);
