@@ -93,7 +93,19 @@ fn normalisers_of_one_wire_are_those_of_several_and_take_their_exponents() {
     // Some have four wires, three, two, most have one.
     assert!(uses.clone().max() >= Some(41) && uses.sum::<u32>() == 48, "{summary:?}");
     // Each would have three operations for its exponent.
-    assert!(summary.glue < 700, "{summary:?}");
+    assert!(summary.glue < 560, "{summary:?}");
+}
+
+#[test]
+fn products_of_a_sum_are_added_up_behind_a_multiplier() {
+    let options = folded_options("narrow", FULL, 8);
+    let verilog = record::verilog(Design::Reflection, &options).expect("the design is proven");
+    let text = &verilog.files["roughxel_reflection.v"];
+    assert_eq!(text.matches("// Sums of products.").count(), 8);
+    // An adder of two products is left only where they are not aligned, or read elsewhere, too.
+    let adders = text.lines().filter(|line| line.contains("_add = ") || line.contains("_sub = "));
+    let of_products = adders.filter(|line| line.matches("_mul").count() > 2).count();
+    assert!(of_products <= 2, "{of_products} adders of two products");
 }
 
 #[test]

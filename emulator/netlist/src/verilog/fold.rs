@@ -2,7 +2,7 @@
 //!
 //! A flat design begins a fragment each cycle and has a multiplier for every product. A folded one begins a fragment every `interval` cycles, on a
 //! given number of multipliers. Runs of a stage that are the same hardware exist once (`shape`). Expensive operations share units (`units`), which are
-//! joined (`compound`) and take in what stands next to them (`grow`). A modulo schedule gives each operation its cycle (`tasks`, `schedule`), an
+//! joined (`compound`) and take in what stands next to them (`grow`). Products of a sum follow each other into an accumulator (`sums`). A modulo schedule gives each operation its cycle (`tasks`, `schedule`), an
 //! exchange of operations finds the units with the fewest choices (`binding`), and `text` writes the top with its `registers`. `machine` runs the
 //! schedule in integers, `slots` lists it.
 
@@ -15,6 +15,7 @@ mod registers;
 mod schedule;
 mod shape;
 mod slots;
+mod sums;
 mod tasks;
 mod text;
 mod units;
@@ -71,7 +72,7 @@ pub(super) fn write(
     let mut modules = Vec::new();
     for kind in &folded.kinds {
         match &kind.hardware {
-            Hardware::Multiplier(_) => {
+            Hardware::Multiplier { .. } => {
                 files.insert(
                     format!("{}.v", kind.name),
                     filled(MULTIPLIER, &[("NAME", kind.name.clone()), ("KEEP", keep.to_owned())]),

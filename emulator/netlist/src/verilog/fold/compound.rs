@@ -5,6 +5,7 @@
 use std::collections::BTreeSet;
 
 use super::super::share::{Local, Operand};
+use super::sums;
 use crate::builder::{self, NamedWire};
 use crate::graph::{Net, NodeId, Op};
 
@@ -35,13 +36,30 @@ pub(super) struct Use {
     pub(super) nodes: Vec<Content>,
     /// Contents of the unit's inputs.
     pub(super) inputs: Vec<Content>,
+    /// For each product of a sum a flag, true if it is subtracted; its operands are inputs 2n and 2n + 1. Empty for any other use.
+    pub(super) signs: Vec<bool>,
 }
 
 impl Use {
     /// Use of a unit that has just these operations and inputs.
     pub(super) fn new(nodes: &[NodeId], inputs: &[NodeId]) -> Self {
         let contents = |nodes: &[NodeId]| nodes.iter().copied().map(Content::Node).collect();
-        Self { nodes: contents(nodes), inputs: contents(inputs) }
+        Self { nodes: contents(nodes), inputs: contents(inputs), signs: Vec::new() }
+    }
+
+    /// Slots that it takes: one for each product of a sum.
+    pub(super) fn slots(&self) -> usize {
+        self.signs.len().max(1)
+    }
+
+    /// Product of a sum in one of its slots; `None` for any other use.
+    pub(super) fn product(&self, slot: usize) -> Option<NodeId> {
+        if self.signs.is_empty() { None } else { self.nodes[sums::PLACES + slot].node() }
+    }
+
+    /// Slot in which it reads an input, and the unit's port for it.
+    pub(super) fn port(&self, input: usize) -> (usize, usize) {
+        if self.signs.is_empty() { (0, input) } else { (input / 2, input % 2) }
     }
 
     /// Its operations, in the order of the netlist.
@@ -152,7 +170,7 @@ impl Special {
             Operand::Constant(value) => Content::Constant(value),
         };
         let nodes = self.places.iter().map(content).collect();
-        let mut wide = Use { nodes, inputs: vec![Content::Constant(0); inputs] };
+        let mut wide = Use { nodes, inputs: vec![Content::Constant(0); inputs], signs: Vec::new() };
         for (&input, &content) in self.inputs.iter().zip(&own.inputs) {
             wide.inputs[input] = content;
         }

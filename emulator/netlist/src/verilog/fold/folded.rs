@@ -81,6 +81,28 @@ fn check_depth(shape: &Shape, flat: Context, depth: u32) -> Result<(), VerilogEr
     }
 }
 
+/// Most products in a sum that shares a multiplier: the first of these that has the shortest interval. Short sums leave adders, but find room where
+/// hardly a slot is free.
+const LONGEST_SUMS: [usize; 3] = [usize::MAX, 4, 3];
+
+/// Schedules a folded netlist on its units, for a number of multipliers and the most levels in a cycle. The body has the values of its wires.
+fn scheduled<R>(
+    shape: &Shape,
+    kinds: &[UnitKind],
+    flat: Context,
+    budget: [u32; 2],
+    with: impl FnOnce(Body, Tasks, Schedule) -> R,
+) -> Result<R, VerilogError> {
+    let context = Context { net: &shape.net, ranges: &shape.ranges, depth: None, ..flat };
+    let of_units: BTreeSet<NodeId> = kinds.iter().flat_map(|kind| &kind.uses).flat_map(Use::operations).collect();
+    let (inputs, nodes): (Vec<NodeId>, Vec<NodeId>) = (0..shape.net.nodes.len() as NodeId)
+        .partition(|id| of_units.contains(id) || matches!(shape.net.node(*id).op, Op::Port(_)));
+    let mut body = Body::placed(context, &nodes, &inputs)?;
+    let tasks = Tasks::new(shape, kinds, &mut body, flat.target);
+    let schedule = Schedule::new(shape, kinds, &tasks, budget, flat.target);
+    Ok(with(body, tasks, schedule))
+}
+
 impl Folded {
     /// Folds a proven design on a number of multipliers. `own` are the ranges of every wire by itself; the body has the values of its wires.
     pub(super) fn new<R>(
@@ -93,34 +115,34 @@ impl Folded {
         let depth = flat.depth.unwrap_or(flat.target.folded_depth());
         let shape = Shape::new(flat.net, own, groups);
         check_depth(&shape, flat, depth)?;
-        let mut kinds = units::kinds(&shape, flat)?;
-        let (net, ranges) = (shape.net.clone(), shape.ranges.clone());
-        let context = Context { net: &net, ranges: &ranges, depth: None, ..flat };
-        let of_units: BTreeSet<NodeId> = kinds.iter().flat_map(|kind| &kind.uses).flat_map(Use::operations).collect();
-        let (inputs, nodes): (Vec<NodeId>, Vec<NodeId>) = (0..net.nodes.len() as NodeId)
-            .partition(|id| of_units.contains(id) || matches!(net.node(*id).op, Op::Port(_)));
-        let mut body = Body::placed(context, &nodes, &inputs)?;
-        let tasks = Tasks::new(&shape, &kinds, &mut body, flat.target);
-        let mut schedule = Schedule::new(&shape, &kinds, &tasks, [multipliers, depth], flat.target);
-        let bits = |id| units::signed_width(shape.ranges.of(id));
-        binding::improve(&shape, &mut kinds, &mut schedule, |id| tasks::base(&body, id), bits);
-        tasks.demand(&shape, &kinds, &mut body, |task, base, run| {
-            let cycle = task.map_or(schedule.last, |task| schedule.cycles[&task]);
-            let later = match task {
-                Some(Task::Choice(id)) => run * schedule.period(&shape, id),
-                _ => 0,
-            };
-            schedule.register(&shape, base, cycle + later)
-        });
-        let highest = |ranks: &BTreeMap<u32, u64>| ranks.keys().copied().max().unwrap_or(0);
-        let registers = body.reads.iter().map(|(&id, ranks)| (id, highest(ranks))).collect();
-        let folded = Self { shape, kinds, tasks, schedule, registers, multipliers, depth };
-        let made = with(&folded, body)?;
-        Ok((folded, made))
-    }
-
-    pub(super) fn use_count(&self, kind: &UnitKind) -> u32 {
-        kind.uses.iter().map(|own| self.shape.copies[own.first() as usize]).sum()
+        let budget = [multipliers, depth];
+        let mut shortest: Option<(u32, Vec<UnitKind>)> = None;
+        for longest in LONGEST_SUMS {
+            let kinds = units::kinds(&shape, [multipliers as usize, longest], flat)?;
+            let interval = scheduled(&shape, &kinds, flat, budget, |_, _, schedule| schedule.interval)?;
+            if shortest.as_ref().is_none_or(|(least, _)| interval < *least) {
+                shortest = Some((interval, kinds));
+            }
+        }
+        let (_, mut kinds) = shortest.expect("some length is tried");
+        let of_shape = shape.clone();
+        scheduled(&of_shape, &kinds.clone(), flat, budget, |mut body, tasks, mut schedule| {
+            let bits = |id| units::signed_width(shape.ranges.of(id));
+            binding::improve(&shape, &mut kinds, &mut schedule, |id| tasks::base(&body, id), bits);
+            tasks.demand(&shape, &kinds, &mut body, |task, base, part| {
+                let cycle = match task {
+                    None => schedule.last,
+                    Some(Task::Choice(id)) => schedule.cycles[&Task::Choice(id)] + part * schedule.period(&shape, id),
+                    Some(task) => schedule.slot_cycle(task, part as usize),
+                };
+                schedule.register(&shape, base, cycle)
+            });
+            let highest = |ranks: &BTreeMap<u32, u64>| ranks.keys().copied().max().unwrap_or(0);
+            let registers = body.reads.iter().map(|(&id, ranks)| (id, highest(ranks))).collect();
+            let folded = Self { shape, kinds, tasks, schedule, registers, multipliers, depth };
+            let made = with(&folded, body)?;
+            Ok((folded, made))
+        })?
     }
 
     /// Cycles from an accepted input to its output: the outcome has a register of its own.
@@ -145,13 +167,13 @@ impl Folded {
         let units = self.kinds.iter().zip(&self.schedule.units).map(|(kind, &units)| UnitSummary {
             name: kind.name.clone(),
             units,
-            uses: self.use_count(kind),
+            uses: kind.slots(&self.shape),
             latency: kind.latency(),
         });
-        let products = self.kinds.iter().find(|kind| matches!(kind.hardware, Hardware::Multiplier(_)));
+        let products = self.kinds.iter().find(|kind| matches!(kind.hardware, Hardware::Multiplier { .. }));
         FoldSummary {
             interval: self.schedule.interval,
-            bound: products.map_or(1, |kind| self.use_count(kind).div_ceil(self.multipliers)),
+            bound: products.map_or(1, |kind| kind.slots(&self.shape).div_ceil(self.multipliers)),
             latency: self.latency(),
             depth: self.depth,
             units: units.collect(),

@@ -4,6 +4,8 @@
 //! choice, which costs two thirds of a table for each bit and use. So what needs no new operand, or saves one, is nearly free: the exponent of a
 //! normaliser, the clamp before a shift, the index of a table.
 
+use std::collections::BTreeSet;
+
 use super::super::share::{Operand, Operation};
 use super::compound::{Compound, Content, Use};
 use super::shape::{Join, Shape};
@@ -47,6 +49,8 @@ struct Growth<'a> {
     readers: Vec<Vec<NodeId>>,
     /// Nodes that an output or a join reads.
     escapes: Vec<bool>,
+    /// Operations of sums of products.
+    of_sums: &'a BTreeSet<NodeId>,
 }
 
 /// Lookup tables of an operation; `None` for a product, a port or a constant, which never join a unit.
@@ -100,6 +104,7 @@ impl Growth<'_> {
     /// True if a node is an operation of its own that may join a unit.
     fn is_free(&self, id: NodeId) -> bool {
         self.owners[id as usize].is_none()
+            && !self.of_sums.contains(&id)
             && !self.shape.joins.contains_key(&id)
             && self.shape.ranges.of(id).constant().is_none()
             && tables(self.shape, id).is_some()
@@ -343,7 +348,8 @@ impl Compound {
 }
 
 /// Compounds with all that saves hardware in them.
-pub(super) fn grown(shape: &Shape, compounds: Vec<Compound>) -> Vec<Compound> {
+/// No unit takes an operation of a sum of products.
+pub(super) fn grown(shape: &Shape, compounds: Vec<Compound>, of_sums: &BTreeSet<NodeId>) -> Vec<Compound> {
     let net = &shape.net;
     let mut owners = vec![None; net.nodes.len()];
     for (number, compound) in compounds.iter().enumerate() {
@@ -363,7 +369,7 @@ pub(super) fn grown(shape: &Shape, compounds: Vec<Compound>) -> Vec<Compound> {
     for id in joined.chain(net.outputs.iter().map(|output| output.node)) {
         escapes[id as usize] = true;
     }
-    let mut growth = Growth { shape, compounds, owners, readers, escapes };
+    let mut growth = Growth { shape, compounds, owners, readers, escapes, of_sums };
     loop {
         let times = growth.times();
         let all = (0..growth.compounds.len()).flat_map(|number| growth.candidates(number, &times));

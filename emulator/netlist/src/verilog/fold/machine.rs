@@ -119,40 +119,58 @@ impl Folded {
         let copies = self.shape.copies[makes[0] as usize];
         let apart = stride(schedule.interval, copies);
         let place = |id: NodeId, cycle: u32| (id, schedule.register(&self.shape, id, cycle));
-        let step = |run: u32| -> Step {
+        let reads = &self.tasks.reads[&task];
+        let steps = |run: u32| -> Vec<Step> {
             let cycle = first + run * apart;
             match task {
                 Task::Glue(id) => {
-                    let (nodes, fetched) = self.between(&self.tasks.reads[&task], &[id], true);
+                    let (nodes, fetched) = self.between(reads, &[id], true);
                     let fetches = fetched.into_iter().map(|read| place(read, first)).collect();
-                    Step { task, cycle, fetches, nodes, makes: vec![(id, id)], latency: 0, unit: None }
+                    vec![Step { task, cycle, fetches, nodes, makes: vec![(id, id)], latency: 0, unit: None }]
                 }
                 Task::Choice(id) => {
                     let source = self.shape.sources(id)[run as usize];
-                    let (nodes, fetched) = self.between(&self.tasks.reads[&task], &[source], false);
+                    let (nodes, fetched) = self.between(reads, &[source], false);
                     let fetches = fetched.into_iter().map(|read| place(read, cycle)).collect();
-                    Step { task, cycle, fetches, nodes, makes: vec![(id, source)], latency: 0, unit: None }
+                    vec![Step { task, cycle, fetches, nodes, makes: vec![(id, source)], latency: 0, unit: None }]
                 }
                 Task::Use(kind, number) => {
-                    let (own, latency) = (&self.kinds[kind].uses[number], self.kinds[kind].latency());
-                    let inputs: Vec<NodeId> = own.reads().map(|(_, id)| id).collect();
-                    let (mut nodes, fetched) = self.between(&self.tasks.reads[&task], &inputs, false);
-                    nodes.extend(own.operations());
-                    let fetches = fetched.into_iter().map(|read| place(read, first)).collect();
+                    let (of_kind, own) = (&self.kinds[kind], &self.kinds[kind].uses[number]);
                     let unit = Some((kind, schedule.bound[&(kind, number)][run as usize]));
-                    Step {
-                        task,
-                        cycle,
-                        fetches,
-                        nodes,
-                        makes: makes.iter().map(|&id| (id, id)).collect(),
-                        latency,
-                        unit,
+                    let made = schedule.last_slot(task) + of_kind.latency_of(own);
+                    // Each product of a sum has its own slot. All of them are there when the accumulator has the sum.
+                    let slot = |slot: usize| {
+                        let at = schedule.slot_cycle(task, slot);
+                        let inputs: Vec<NodeId> =
+                            own.reads().filter(|&(input, _)| own.port(input).0 == slot).map(|(_, id)| id).collect();
+                        let (mut nodes, fetched) = self.between(reads, &inputs, false);
+                        let makes = match own.product(slot) {
+                            Some(product) => {
+                                nodes.push(product);
+                                vec![(product, product)]
+                            }
+                            None => {
+                                nodes.extend(own.operations());
+                                makes.iter().map(|&id| (id, id)).collect()
+                            }
+                        };
+                        let fetches = fetched.into_iter().map(|read| place(read, at)).collect();
+                        Step { task, cycle: at + run * apart, fetches, nodes, makes, latency: made - at, unit }
+                    };
+                    let mut steps: Vec<Step> = (0..own.slots()).map(slot).collect();
+                    if !own.signs.is_empty() {
+                        let products: Vec<NodeId> = (0..own.slots()).filter_map(|slot| own.product(slot)).collect();
+                        let nodes = own.operations().into_iter().filter(|id| !products.contains(id)).collect();
+                        let fetches = products.into_iter().map(|id| (id, 0)).collect();
+                        let makes = makes.iter().map(|&id| (id, id)).collect();
+                        let cycle = made + run * apart;
+                        steps.push(Step { task, cycle, fetches, nodes, makes, latency: 0, unit: None });
                     }
+                    steps
                 }
             }
         };
-        (0..copies).map(step).collect()
+        (0..copies).flat_map(steps).collect()
     }
 
     /// The schedule as a machine.
@@ -188,7 +206,9 @@ impl Folded {
         let outputs = outputs.collect();
         let mut places = vec![None; self.shape.net.nodes.len()];
         let mut next = 0;
-        for (&id, &last) in &self.registers {
+        let uses = self.kinds.iter().flat_map(|kind| &kind.uses);
+        let products = uses.flat_map(|own| (0..own.slots()).filter_map(|slot| own.product(slot))).map(|id| (id, 0));
+        for (id, last) in self.registers.iter().map(|(&id, &last)| (id, last)).chain(products) {
             places[id as usize] = Some((next, last));
             next += last as usize + 1;
         }

@@ -9,7 +9,9 @@ use super::super::interface::PortDescription;
 use super::super::module::unread;
 use super::super::value::{View, Wire, view_bits};
 use super::shape::Join;
+use super::sums::SUM;
 use super::text::Writer;
+use super::units::Hardware;
 use crate::graph::{NodeId, Op};
 
 /// Name of the module of a ring.
@@ -115,9 +117,10 @@ impl Writer<'_> {
         Ok(always)
     }
 
-    /// True if a unit has an operand.
-    fn is_used(&self, kind: usize, unit: u32) -> bool {
-        self.operands.range((kind, unit, 0)..(kind, unit + 1, 0)).next().is_some()
+    /// True if a unit has this outcome: it has operands, and an accumulator for a sum.
+    fn has_outcome(&self, kind: usize, unit: u32, place: usize) -> bool {
+        let is_sum = matches!(self.folded.kinds[kind].hardware, Hardware::Multiplier { .. }) && place == SUM;
+        !is_sum && self.operands.range((kind, unit, 0)..(kind, unit + 1, 0)).next().is_some()
     }
 
     /// Bits of inputs, wires and registers that nobody reads.
@@ -134,12 +137,16 @@ impl Writer<'_> {
                 for &(place, _) in &of_kind.outputs {
                     match self.results.get(&(kind, unit, place)) {
                         Some((wire, reads)) => parts.extend(unread(wire, *reads as u64)),
-                        None if self.is_used(kind, unit) => parts.push(format!("{}_{unit}_out{place}", of_kind.name)),
+                        None if self.has_outcome(kind, unit, place) => {
+                            parts.push(format!("{}_{unit}_out{place}", of_kind.name))
+                        }
                         None => {}
                     }
                 }
             }
         }
+        // The lowest bit of an accumulator's adder brings its carry.
+        parts.extend(self.sums.keys().map(|&(kind, unit)| format!("{}_{unit}_sum[0]", self.folded.kinds[kind].name)));
         let mut ids: Vec<NodeId> = self.body.reads.keys().copied().collect();
         ids.sort_unstable();
         for id in ids {

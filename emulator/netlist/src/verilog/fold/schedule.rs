@@ -2,6 +2,7 @@
 //!
 //! An operation of a block computes for run r at its own cycle plus r strides. So a use of a unit in a block takes a slot of each run. The netlist has
 //! no loops: list scheduling in the order of the longest way to an output always ends, and an interval that leaves a use without a slot is too short.
+//! A sum of products takes a slot for each of them on one unit, in any order and with other products between them.
 //! Glue (operations with hardware of their own) is chained within a cycle up to the target depth.
 
 use std::cmp::Reverse;
@@ -35,6 +36,8 @@ pub(super) struct Schedule {
     pub(super) cycles: HashMap<Task, u32>,
     /// Unit of each run of each use, by kind and use.
     pub(super) bound: HashMap<(usize, usize), Vec<u32>>,
+    /// Cycles from the first slot of a sum of products to the slot of each of its products, by kind and use.
+    pub(super) offsets: HashMap<(usize, usize), Vec<u32>>,
     /// Times of the wires.
     pub(super) made: HashMap<NodeId, Made>,
     /// Cycle in which the outputs are there.
@@ -44,9 +47,21 @@ pub(super) struct Schedule {
 /// Levels that a cycle of a unit counts for, where the longest way to an output is sought.
 const LEVELS_OF_CYCLE: u32 = 20;
 
+/// Runs of list scheduling for an interval: a sum of products that found no slots comes earlier in the next one, with all that it needs.
+const RUNS: usize = 12;
+
 /// Cycles between the runs of a block.
 pub(super) fn stride(interval: u32, copies: u32) -> u32 {
     interval / copies
+}
+
+/// Phases of the units of a kind.
+#[derive(Clone, Debug)]
+struct Phases {
+    /// Number of units that have operands.
+    taken: Vec<u32>,
+    /// For each unit: true from the first to the last product of a sum, between which no other sum can be.
+    adds: Vec<Vec<bool>>,
 }
 
 /// Tasks in the order of scheduling, and the slots that are taken.
@@ -57,8 +72,8 @@ struct Scheduler<'a> {
     depth: u32,
     target: Target,
     schedule: Schedule,
-    /// Number of units of each kind that are taken, by phase.
-    taken: Vec<Vec<u32>>,
+    /// Units of each kind.
+    units: Vec<Phases>,
 }
 
 impl Scheduler<'_> {
@@ -67,24 +82,29 @@ impl Scheduler<'_> {
         self.shape.copies[id as usize]
     }
 
+    /// Time of a wire: cycle, and levels before it there. With `ahead`, it is that of a reader which is so many cycles later than its first run.
+    fn time(&self, id: NodeId, ahead: u32) -> (u32, u32) {
+        let made = self.schedule.made[&id];
+        let levels = if made.kept { 0 } else { made.levels };
+        made.cycle.checked_sub(ahead).map_or((0, 0), |cycle| (cycle, levels))
+    }
+
+    /// First cycle in which several wires are there, and the levels before the last one.
+    fn together(times: impl Iterator<Item = (u32, u32)>) -> (u32, u32) {
+        times.max().unwrap_or((0, 0))
+    }
+
     /// First cycle of a task and the levels before its own there.
     fn ready(&self, task: Task) -> (u32, u32) {
-        let time = |id: NodeId, ahead: u32| {
-            let made = self.schedule.made[&id];
-            let levels = if made.kept { 0 } else { made.levels };
-            made.cycle.checked_sub(ahead).map_or((0, 0), |cycle| (cycle, levels))
-        };
-        let times: Vec<(u32, u32)> = match task {
+        match task {
             // Run r of a block reads its own wire r strides later.
             Task::Choice(id) => {
                 let apart = stride(self.schedule.interval, self.copies(task));
                 let runs = (0..).zip(&self.tasks.choices[&id]);
-                runs.filter_map(|(run, source)| Some(time((*source)?, run * apart))).collect()
+                Self::together(runs.filter_map(|(run, source)| Some(self.time((*source)?, run * apart))))
             }
-            _ => self.tasks.reads[&task].iter().map(|&id| time(id, 0)).collect(),
-        };
-        let cycle = times.iter().map(|time| time.0).max().unwrap_or(0);
-        (cycle, times.iter().filter(|time| time.0 == cycle).map(|time| time.1).max().unwrap_or(0))
+            _ => Self::together(self.tasks.reads[&task].iter().map(|&id| self.time(id, 0))),
+        }
     }
 
     /// Schedules a task; false if no slot is free.
@@ -100,14 +120,21 @@ impl Scheduler<'_> {
             }
             Task::Use(kind, number) => {
                 let of_kind = &self.kinds[kind];
-                let uses: u32 = of_kind.uses.iter().map(|own| self.shape.copies[own.first() as usize]).sum();
-                let choice = self.target.choice(uses.div_ceil(self.schedule.units[kind]));
-                if before + choice > self.depth && before > 0 {
-                    cycle += 1;
-                }
-                let Some(found) = self.slot(task, kind, number, cycle) else { return false };
-                cycle = found;
-                Made { cycle: cycle + of_kind.latency(), levels: 0, kept: false }
+                let choice = self.target.choice(of_kind.slots(self.shape).div_ceil(self.schedule.units[kind]));
+                let chosen =
+                    |(cycle, before): (u32, u32)| cycle + u32::from(before + choice > self.depth && before > 0);
+                let slots = match self.tasks.terms.get(&task) {
+                    None => self.slot(task, chosen((cycle, before))).map(|cycle| [cycle; 2]),
+                    Some(terms) => {
+                        let ready =
+                            terms.iter().map(|reads| chosen(Self::together(reads.iter().map(|&id| self.time(id, 0)))));
+                        let ready = ready.collect::<Vec<_>>();
+                        self.slots(task, &ready)
+                    }
+                };
+                let Some([first, last]) = slots else { return false };
+                cycle = first;
+                Made { cycle: last + of_kind.latency_of(&of_kind.uses[number]), levels: 0, kept: false }
             }
         };
         self.schedule.cycles.insert(task, cycle);
@@ -117,24 +144,110 @@ impl Scheduler<'_> {
         true
     }
 
-    /// Takes the first slots from a cycle on that are free for each run, on any units: [`super::binding`] finds better ones.
-    fn slot(&mut self, task: Task, kind: usize, number: usize, from: u32) -> Option<u32> {
+    /// Phases of the runs of a task, of which the first one is in a cycle.
+    fn phases(&self, task: Task) -> impl Fn(u32) -> Vec<usize> + use<> {
         let (interval, copies) = (self.schedule.interval, self.copies(task));
         let apart = stride(interval, copies);
-        let phases = |cycle: u32| (0..copies).map(move |run| ((cycle + run * apart) % interval) as usize);
-        let is_free = |cycle: &u32| phases(*cycle).all(|phase| self.taken[kind][phase] < self.schedule.units[kind]);
-        let cycle = (from..from + interval).find(is_free)?;
-        let mut units = Vec::new();
-        for phase in phases(cycle) {
-            units.push(self.taken[kind][phase]);
-            self.taken[kind][phase] += 1;
-        }
-        self.schedule.bound.insert((kind, number), units);
+        move |cycle| (0..copies).map(|run| ((cycle + run * apart) % interval) as usize).collect()
+    }
+
+    /// Takes the first slots from a cycle on in which a unit is free for each run. Units are chosen when all slots are taken.
+    fn slot(&mut self, task: Task, from: u32) -> Option<u32> {
+        let Task::Use(kind, _) = task else { return None };
+        let (phases, count) = (self.phases(task), self.schedule.units[kind]);
+        let taken = &mut self.units[kind].taken;
+        let is_free = |cycle: &u32| phases(*cycle).into_iter().all(|phase| taken[phase] < count);
+        let cycle = (from..from + self.schedule.interval).find(is_free)?;
+        phases(cycle).into_iter().for_each(|phase| taken[phase] += 1);
         Some(cycle)
+    }
+
+    /// Takes slots for the products of a sum, each from its cycle in `ready` on, all on one unit: those that end first, and of these the latest.
+    /// Returns the first and the last one.
+    fn slots(&mut self, task: Task, ready: &[u32]) -> Option<[u32; 2]> {
+        let Task::Use(kind, number) = task else { return None };
+        let (phases, count) = (self.phases(task), self.schedule.units[kind]);
+        let (interval, copies) = (self.schedule.interval, self.copies(task));
+        // The product that is ready last comes last.
+        let mut order: Vec<usize> = (0..ready.len()).collect();
+        order.sort_by_key(|&term| Reverse(ready[term]));
+        let from = ready.iter().copied().max()?;
+        let Phases { taken, adds } = &self.units[kind];
+        let is_free = |cycle: u32| phases(cycle).into_iter().all(|phase| taken[phase] < count);
+        // Slots that end in a cycle: the latest ones.
+        let until = |end: u32| {
+            let mut cycles = vec![end; ready.len()];
+            let mut next = Some(end);
+            for (place, &term) in order.iter().enumerate() {
+                let earliest = ready[term].max((end + 1).saturating_sub(stride(interval, copies)));
+                let cycle = (earliest..=next?).rev().find(|&cycle| is_free(cycle))?;
+                if place == 0 && cycle != end {
+                    return None;
+                }
+                cycles[term] = cycle;
+                next = cycle.checked_sub(1);
+            }
+            let first = cycles.iter().copied().min()?;
+            // Runs do not overlap, so each has a unit of its own choice.
+            let window = |run: usize| (first..=end).map(|cycle| phases(cycle)[run]).collect::<Vec<_>>();
+            let unit = |run: usize| adds.iter().position(|adds| !window(run).into_iter().any(|phase| adds[phase]));
+            let units = (0..copies as usize).map(unit).collect::<Option<Vec<usize>>>()?;
+            Some((units, first, cycles))
+        };
+        let (end, (units, first, cycles)) = (from..from + interval).find_map(|end| Some((end, until(end)?)))?;
+        let of_kind = &mut self.units[kind];
+        cycles.iter().copied().flat_map(&phases).for_each(|phase| of_kind.taken[phase] += 1);
+        for cycle in first..=end {
+            for (phase, &unit) in phases(cycle).into_iter().zip(&units) {
+                of_kind.adds[unit][phase] = true;
+            }
+        }
+        self.schedule.bound.insert((kind, number), units.into_iter().map(|unit| unit as u32).collect());
+        self.schedule.offsets.insert((kind, number), cycles.iter().map(|cycle| cycle - first).collect());
+        Some([first, end])
+    }
+
+    /// Chooses units for the uses that are no sums, any that are free: [`super::binding`] finds better ones.
+    fn bind(&mut self) {
+        let interval = self.schedule.interval as usize;
+        let mut free: Vec<Vec<BTreeSet<u32>>> =
+            self.schedule.units.iter().map(|&count| vec![(0..count).collect(); interval]).collect();
+        let uses = |task: &Task| if let Task::Use(kind, number) = *task { Some((*task, (kind, number))) } else { None };
+        let (sums, alone): (Vec<_>, Vec<_>) =
+            self.tasks.all.iter().filter_map(uses).partition(|(_, own)| self.schedule.offsets.contains_key(own));
+        for (task, own) in sums {
+            for slot in 0..self.schedule.offsets[&own].len() {
+                let phases = self.phases(task)(self.schedule.slot_cycle(task, slot));
+                for (phase, unit) in phases.into_iter().zip(&self.schedule.bound[&own]) {
+                    free[own.0][phase].remove(unit);
+                }
+            }
+        }
+        for (task, own) in alone {
+            let phases = self.phases(task)(self.schedule.cycles[&task]);
+            // A slot was taken only where a unit is free.
+            let units = phases.into_iter().filter_map(|phase| free[own.0][phase].pop_first()).collect();
+            self.schedule.bound.insert(own, units);
+        }
     }
 }
 
 impl Schedule {
+    /// Cycle of a slot of a task, for the first run. Only a sum of products has several.
+    pub(super) fn slot_cycle(&self, task: Task, slot: usize) -> u32 {
+        let offset = match task {
+            Task::Use(kind, number) => self.offsets.get(&(kind, number)).map_or(0, |offsets| offsets[slot]),
+            _ => 0,
+        };
+        self.cycles[&task] + offset
+    }
+
+    /// Cycle of the last slot of a task, for the first run.
+    pub(super) fn last_slot(&self, task: Task) -> u32 {
+        let offsets = if let Task::Use(kind, number) = task { self.offsets.get(&(kind, number)) } else { None };
+        self.cycles[&task] + offsets.and_then(|offsets| offsets.iter().copied().max()).unwrap_or(0)
+    }
+
     /// Cycles after which a wire of the folded netlist has a new value.
     pub(super) fn period(&self, shape: &Shape, id: NodeId) -> u32 {
         stride(self.interval, shape.copies[id as usize])
@@ -170,23 +283,44 @@ impl Schedule {
         let units: Vec<u32> = kinds
             .iter()
             .map(|kind| {
-                let uses: u32 = kind.uses.iter().map(|own| shape.copies[own.first() as usize]).sum();
+                let uses = kind.slots(shape);
                 let least = uses.div_ceil(interval);
                 match kind.hardware {
-                    Hardware::Multiplier(_) => multipliers,
+                    Hardware::Multiplier { .. } => multipliers,
                     Hardware::Module(_) if 4 * uses > 3 * least * interval => least + spare,
                     Hardware::Module(_) => least,
                 }
             })
             .collect();
-        let taken = vec![vec![0; interval as usize]; units.len()];
-        let schedule =
-            Self { interval, units, cycles: HashMap::new(), bound: HashMap::new(), made: HashMap::new(), last: 0 };
-        let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, taken };
-        for port in shape.net.ports.iter().filter(|port| !shape.joins.contains_key(&port.node)) {
-            scheduler.schedule.made.insert(port.node, Made { cycle: 0, levels: 0, kept: true });
+        let mut ahead = vec![0; tasks.all.len()];
+        for _ in 0..RUNS {
+            let phases = |&count: &u32| Phases {
+                taken: vec![0; interval as usize],
+                adds: vec![vec![false; interval as usize]; count as usize],
+            };
+            let phases = units.iter().map(phases).collect();
+            let schedule = Self {
+                interval,
+                units: units.clone(),
+                cycles: HashMap::new(),
+                bound: HashMap::new(),
+                offsets: HashMap::new(),
+                made: HashMap::new(),
+                last: 0,
+            };
+            let mut scheduler = Scheduler { shape, kinds, tasks, depth, target, schedule, units: phases };
+            for port in shape.net.ports.iter().filter(|port| !shape.joins.contains_key(&port.node)) {
+                scheduler.schedule.made.insert(port.node, Made { cycle: 0, levels: 0, kept: true });
+            }
+            match scheduler.run(&ahead) {
+                Ok(()) => return Some(scheduler.schedule),
+                Err(without) if tasks.terms.contains_key(&tasks.all[without]) => {
+                    tasks.bring_forward(without, &mut ahead)
+                }
+                Err(_) => return None,
+            }
         }
-        scheduler.run().then_some(scheduler.schedule)
+        None
     }
 
     /// Schedule with the least interval that list scheduling finds, for a number of multipliers and the most levels in a cycle.
@@ -198,8 +332,8 @@ impl Schedule {
         target: Target,
     ) -> Self {
         let copies = shape.copies.iter().copied().max().unwrap_or(1);
-        let products = kinds.iter().filter(|kind| matches!(kind.hardware, Hardware::Multiplier(_)));
-        let products: u32 = products.flat_map(|kind| &kind.uses).map(|own| shape.copies[own.first() as usize]).sum();
+        let products = kinds.iter().filter(|kind| matches!(kind.hardware, Hardware::Multiplier { .. }));
+        let products: u32 = products.map(|kind| kind.slots(shape)).sum();
         let bound = products.div_ceil(multipliers).max(copies).max(1);
         // A few cycles more cost less than further units.
         let few = (bound..=bound + bound / 8).map(|interval| (interval, 0));
@@ -212,16 +346,21 @@ impl Schedule {
 }
 
 impl Scheduler<'_> {
-    fn run(&mut self) -> bool {
+    /// Schedules all tasks, those that are `ahead` of others first. Error: the number of a task without a slot.
+    fn run(&mut self, ahead: &[u32]) -> Result<(), usize> {
         let tasks = self.tasks;
-        let height = tasks.heights(|kind| self.kinds[kind].latency() * LEVELS_OF_CYCLE);
+        let height = tasks.heights(|kind, number| {
+            let own = &self.kinds[kind].uses[number];
+            (self.kinds[kind].latency_of(own) + own.slots() as u32 - 1) * LEVELS_OF_CYCLE
+        });
         let mut waits: Vec<usize> = tasks.needs.iter().map(BTreeSet::len).collect();
-        let mut queue: BinaryHeap<(u32, Reverse<usize>)> = BinaryHeap::new();
-        queue.extend((0..tasks.all.len()).filter(|&task| waits[task] == 0).map(|task| (height[task], Reverse(task))));
+        let urgency = |task: usize| ((ahead[task], height[task]), Reverse(task));
+        let mut queue: BinaryHeap<((u32, u32), Reverse<usize>)> = BinaryHeap::new();
+        queue.extend((0..tasks.all.len()).filter(|&task| waits[task] == 0).map(urgency));
         while let Some((_, Reverse(number))) = queue.pop() {
             let task = tasks.all[number];
             if !self.place(task) {
-                return false;
+                return Err(number);
             }
             for id in &tasks.makes[&task] {
                 for outcome in tasks.outcomes.iter().filter(|outcome| outcome.base == *id) {
@@ -233,12 +372,13 @@ impl Scheduler<'_> {
             for &user in &tasks.users[number] {
                 waits[user] -= 1;
                 if waits[user] == 0 {
-                    queue.push((height[user], Reverse(user)));
+                    queue.push(urgency(user));
                 }
             }
         }
+        self.bind();
         let ends = self.schedule.made.values().map(|made| made.cycle + u32::from(!made.kept));
         self.schedule.last = ends.max().unwrap_or(0);
-        true
+        Ok(())
     }
 }

@@ -31,9 +31,10 @@ impl Folded {
             let &Task::Use(kind, number) = task else { continue };
             let (of_kind, units) = (&self.kinds[kind], &self.schedule.bound[&(kind, number)]);
             let apart = stride(self.schedule.interval, units.len() as u32);
-            for (run, &unit) in (0..).zip(units) {
-                let cycle = self.schedule.cycles[task] + run * apart;
-                let origin = self.shape.net.origin(of_kind.uses[number].first());
+            let own = &of_kind.uses[number];
+            for ((run, &unit), slot) in (0..).zip(units).flat_map(|on| (0..own.slots()).map(move |slot| (on, slot))) {
+                let cycle = self.schedule.slot_cycle(*task, slot) + run * apart;
+                let origin = self.shape.net.origin(own.product(slot).unwrap_or(own.first()));
                 let phase = cycle % self.schedule.interval;
                 slots.push(Slot { kind: of_kind.name.clone(), unit, phase, cycle, run, origin });
             }

@@ -43,6 +43,8 @@ pub(super) struct Tasks {
     pub(super) makes: HashMap<Task, Vec<NodeId>>,
     /// Levels of glue and of choices.
     pub(super) levels: HashMap<Task, u32>,
+    /// Wires that a sum of products reads in each of its slots.
+    pub(super) terms: HashMap<Task, Vec<Vec<NodeId>>>,
     /// Wire that each run of a choice reads; `None` for a constant.
     pub(super) choices: HashMap<NodeId, Vec<Option<NodeId>>>,
     /// Outcomes of blocks.
@@ -74,6 +76,7 @@ impl Tasks {
             reads: HashMap::new(),
             makes: HashMap::new(),
             levels: HashMap::new(),
+            terms: HashMap::new(),
             choices: HashMap::new(),
             outcomes: Vec::new(),
             needs: Vec::new(),
@@ -83,7 +86,7 @@ impl Tasks {
         tasks.order();
         tasks.demand(shape, kinds, body, |_, _, _| 0);
         tasks.all.retain(|task| tasks.makes[task].iter().any(|id| body.reads.contains_key(id)));
-        for reads in tasks.reads.values_mut() {
+        for reads in tasks.reads.values_mut().chain(tasks.terms.values_mut().flatten()) {
             reads.retain(|id| body.reads.contains_key(id));
         }
         for source in tasks.choices.values_mut().flatten() {
@@ -99,7 +102,13 @@ impl Tasks {
             for (number, own) in of_kind.uses.iter().enumerate() {
                 let reads = own.reads().filter_map(|(_, id)| base(body, id)).collect();
                 let makes = of_kind.outcomes(own).map(|(_, _, id)| id).collect();
-                self.add(Task::Use(kind, number), reads, makes, 0);
+                let task = Task::Use(kind, number);
+                if !own.signs.is_empty() {
+                    let mut terms = vec![Vec::new(); own.slots()];
+                    own.reads().for_each(|(input, id)| terms[own.port(input).0].extend(base(body, id)));
+                    self.terms.insert(task, terms);
+                }
+                self.add(task, reads, makes, 0);
             }
         }
         let mut joins: Vec<_> = shape.joins.iter().filter(|(id, _)| body.constant(**id).is_none()).collect();
@@ -182,7 +191,7 @@ impl Tasks {
     }
 
     /// Finds the bits of every wire that somebody reads, from the outputs backwards. `register` gives the register of a wire (the second argument)
-    /// that a task reads for one of its runs (the third), or that the outputs read.
+    /// that a task reads for one of its runs or in one of its slots (the third), or that the outputs read.
     pub(super) fn demand(
         &self,
         shape: &Shape,
@@ -191,9 +200,9 @@ impl Tasks {
         register: impl Fn(Option<Task>, NodeId, u32) -> u32,
     ) {
         body.reads.clear();
-        let read = |body: &mut Body, task: Option<Task>, id: NodeId, bits: u128, run: u32| {
+        let read = |body: &mut Body, task: Option<Task>, id: NodeId, bits: u128, part: u32| {
             if let Some(base) = base(body, id) {
-                body.read(id, bits, register(task, base, run));
+                body.read(id, bits, register(task, base, part));
             }
         };
         for output in &shape.net.outputs {
@@ -222,9 +231,10 @@ impl Tasks {
                 }
                 Task::Use(kind, number) => {
                     if self.makes[&task].iter().any(|&id| bits_of(body, id).is_some()) {
-                        for (_, id) in kinds[kind].uses[number].reads() {
+                        let own = &kinds[kind].uses[number];
+                        for (input, id) in own.reads() {
                             let bits = body.all_bits(id);
-                            read(body, Some(task), id, bits, 0);
+                            read(body, Some(task), id, bits, own.port(input).0 as u32);
                         }
                     }
                 }
@@ -232,12 +242,21 @@ impl Tasks {
         }
     }
 
-    /// Levels from each task to the last outcome; `of_unit` gives those of a kind of unit.
-    pub(super) fn heights(&self, of_unit: impl Fn(usize) -> u32) -> Vec<u32> {
+    /// Brings a task forward in an order of urgency, with all that it needs.
+    pub(super) fn bring_forward(&self, task: usize, ahead: &mut [u32]) {
+        let mut needed = BTreeSet::from([task]);
+        while let Some(task) = needed.pop_last() {
+            ahead[task] += 1;
+            needed.extend(&self.needs[task]);
+        }
+    }
+
+    /// Levels from each task to the last outcome; `of_use` gives those of a use of a unit, by kind and number.
+    pub(super) fn heights(&self, of_use: impl Fn(usize, usize) -> u32) -> Vec<u32> {
         let mut heights = vec![0; self.all.len()];
         for (number, task) in self.all.iter().enumerate().rev() {
             let own = match *task {
-                Task::Use(kind, _) => of_unit(kind),
+                Task::Use(kind, number) => of_use(kind, number),
                 _ => self.levels[task],
             };
             heights[number] = own + self.users[number].iter().map(|&user| heights[user]).max().unwrap_or(0);

@@ -18,6 +18,7 @@ use super::super::wire::Parts;
 use super::compound::Content;
 use super::folded::Folded;
 use super::schedule::stride;
+use super::sums::{PRODUCT, SUM};
 use super::tasks::{Task, bits_of};
 use super::units::{Hardware, UnitKind};
 use crate::graph::NodeId;
@@ -46,6 +47,8 @@ pub(super) struct Writer<'a> {
     pub(super) operands: BTreeMap<(usize, u32, usize), Sources>,
     /// Operands that are zero for some use.
     zeros: BTreeSet<(usize, u32, usize)>,
+    /// Products that the accumulator of a unit takes, by the phase in which it does.
+    pub(super) sums: BTreeMap<(usize, u32), BTreeMap<u32, Term>>,
     /// Outcomes of the units, with the bits that somebody reads.
     pub(super) results: BTreeMap<(usize, u32, usize), (Wire, u128)>,
     pub(super) register_bits: u32,
@@ -63,6 +66,44 @@ fn choice(width: u32, sources: &Sources, needed: bool) -> String {
         if width == 1 { format!("({at} & {text})") } else { format!("({{{width}{{{at}}}}} & {text})") }
     });
     terms.collect::<Vec<_>>().join("\n    | ")
+}
+
+/// Product that an accumulator takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term {
+    /// True if it begins a sum.
+    is_first: bool,
+    /// True if it is subtracted.
+    is_negative: bool,
+}
+
+/// Text of the accumulator of a multiplier, whose product has some bits. It holds a sum from its last product to the first one of the next sum.
+fn accumulator(name: &str, product_bits: u32, bits: u32, terms: &BTreeMap<u32, Term>) -> String {
+    let phases = |of: &str, wanted: fn(&Term) -> bool| {
+        let phases = terms.iter().filter(|(_, term)| wanted(term)).map(|(phase, _)| format!("{of}[{phase}]"));
+        let phases = phases.collect::<Vec<_>>().join(" | ");
+        if phases.is_empty() { "1'b0".to_owned() } else { phases }
+    };
+    let product = match bits.checked_sub(product_bits) {
+        None => format!("{name}_out{PRODUCT}[{}:0]", bits - 1),
+        Some(0) => format!("{name}_out{PRODUCT}"),
+        Some(above) => {
+            format!("{{{{{above}{{{name}_out{PRODUCT}[{}]}}}}, {name}_out{PRODUCT}}}", product_bits - 1)
+        }
+    };
+    format!(
+        "  // Sums of products.
+  wire {name}_first = {};
+  wire {name}_minus = {};
+  wire [{bits}:0] {name}_sum =
+    {{{name}_out{SUM} & {{{bits}{{~{name}_first}}}}, 1'b1}} + {{{product} ^ {{{bits}{{{name}_minus}}}}, {name}_minus}};
+  always @(posedge clk)
+    if ({}) {name}_out{SUM} <= {name}_sum[{bits}:1];
+",
+        phases("phase", |term| term.is_first),
+        phases("phase", |term| term.is_negative),
+        phases("take", |_| true)
+    )
 }
 
 impl Writer<'_> {
@@ -93,8 +134,8 @@ impl Writer<'_> {
                 for &read in &folded.tasks.reads[&task] {
                     self.at(read, cycle);
                 }
-                let line = self.body.context.line(id).map_or_else(String::new, |line| format!(" // {line}"));
-                let about = format!("{line}, cycle {cycle}");
+                let line = self.body.context.line(id).map_or_else(String::new, |line| format!("{line}, "));
+                let about = format!(" // {line}cycle {cycle}");
                 self.parts.drive(&mut self.wires, &self.body, id, 0, false, &about)?;
             }
             Task::Choice(id) => {
@@ -119,11 +160,13 @@ impl Writer<'_> {
                     self.zeros.extend(units.iter().map(|&unit| (kind, unit, place)));
                 }
                 for (place, id) in own.reads() {
-                    let Some((low, high)) = of_kind.operand(place, self.body.range(id)) else { continue };
+                    let (slot, port) = own.port(place);
+                    let Some((low, high)) = of_kind.operand(port, self.body.range(id)) else { continue };
+                    let cycle = folded.schedule.slot_cycle(task, slot);
                     let text = self.read(id, cycle, low, high);
                     for (run, &unit) in (0..).zip(units) {
                         let phase = (cycle + run * apart) % self.interval();
-                        let sources = self.operands.entry((kind, unit, place)).or_default();
+                        let sources = self.operands.entry((kind, unit, port)).or_default();
                         sources.entry(text.clone()).or_default().insert(phase);
                     }
                 }
@@ -138,8 +181,19 @@ impl Writer<'_> {
         let folded = self.folded;
         let of_kind = &folded.kinds[kind];
         let own = &of_kind.uses[number];
-        let cycle = folded.schedule.cycles[&Task::Use(kind, number)] + of_kind.latency();
+        let task = Task::Use(kind, number);
+        let cycle = folded.schedule.last_slot(task) + of_kind.latency_of(own);
         let apart = stride(self.interval(), units.len() as u32);
+        for (run, &unit) in (0..).zip(units) {
+            for (slot, &is_negative) in own.signs.iter().enumerate() {
+                // The product is there when the accumulator takes it.
+                let made = folded.schedule.slot_cycle(task, slot) + of_kind.latency() + run * apart;
+                let is_first = folded.schedule.slot_cycle(task, slot) == folded.schedule.cycles[&task];
+                let term = Term { is_first, is_negative };
+                let phase = made % self.interval();
+                self.sums.entry((kind, unit)).or_default().insert(phase, term);
+            }
+        }
         for (place, range, id) in of_kind.outcomes(own) {
             if bits_of(&self.body, id).is_none() {
                 continue;
@@ -149,9 +203,12 @@ impl Writer<'_> {
             for (run, &unit) in (0..).zip(units) {
                 let name = format!("{}_{unit}_out{place}", of_kind.name);
                 let unit_wire = match of_kind.hardware {
-                    Hardware::Multiplier([a, b]) => {
-                        let zeros: u32 = own.reads().map(|(_, id)| self.body.range(id).zeros.min(62)).sum();
-                        Wire { name, low: zeros, high: zeros + a + b, signed: true }
+                    Hardware::Multiplier { widths: [a, b], sum_bits } => {
+                        // The products of a sum have as many.
+                        let operands = own.reads().take(2);
+                        let zeros: u32 = operands.map(|(_, id)| self.body.range(id).zeros.min(62)).sum();
+                        let bits = if place == SUM { sum_bits } else { a + b };
+                        Wire { name, low: zeros, high: zeros + bits, signed: true }
                     }
                     Hardware::Module(_) => Wire { name, low: range.zeros, high: range.top(), signed: range.signed() },
                 };
@@ -185,7 +242,7 @@ impl Writer<'_> {
                 let mut connections = vec![".clk(clk)".to_owned(), ".enable(advance)".to_owned()];
                 let mut choices = String::new();
                 let mut used = false;
-                for place in 0..of_kind.uses[0].inputs.len() {
+                for place in 0..of_kind.ports() {
                     let Some((width, signed)) = of_kind.port(place) else { continue };
                     let Some(sources) = self.operands.get(&(kind, unit, place)) else {
                         if let Hardware::Module(module) = &of_kind.hardware {
@@ -197,7 +254,7 @@ impl Writer<'_> {
                     used = true;
                     let value = choice(width, sources, self.zeros.contains(&(kind, unit, place)));
                     match &of_kind.hardware {
-                        Hardware::Multiplier(_) => {
+                        Hardware::Multiplier { .. } => {
                             let port = ["a", "b"][place];
                             writeln!(choices, "  wire {}{name}_{port} =\n    {value};", vector(width, true))?;
                             connections.push(format!(".{port}({name}_{port})"));
@@ -219,12 +276,28 @@ impl Writer<'_> {
                 }
                 text += &choices;
                 match &of_kind.hardware {
-                    Hardware::Multiplier([a, b]) => {
-                        writeln!(declared, "  wire {}{name}_out0;", vector(a + b, true))?;
-                        connections.push(format!(".product({name}_out0)"));
+                    Hardware::Multiplier { widths: [a, b], sum_bits } => {
+                        writeln!(declared, "  wire {}{name}_out{PRODUCT};", vector(a + b, true))?;
+                        connections.push(format!(".product({name}_out{PRODUCT})"));
                         let connections = connections.join(", ");
                         writeln!(text, "  {} #(.A({a}), .B({b})) u_{name} ({connections});", of_kind.name)?;
                         self.register_bits += 2 * (a + b);
+                        if let Some(terms) = self.sums.get(&(kind, unit)) {
+                            writeln!(declared, "  reg {}{name}_out{SUM};", vector(*sum_bits, true))?;
+                            text += &accumulator(&name, a + b, *sum_bits, terms);
+                            self.register_bits += sum_bits;
+                            let wire = |place: usize, bits: u32| Wire {
+                                name: format!("{name}_out{place}"),
+                                low: 0,
+                                high: bits,
+                                signed: true,
+                            };
+                            for (place, bits) in [(PRODUCT, a + b), (SUM, *sum_bits)] {
+                                let read = mask(0, bits.min(*sum_bits));
+                                let result = self.results.entry((kind, unit, place)).or_insert((wire(place, bits), 0));
+                                result.1 |= read;
+                            }
+                        }
                     }
                     Hardware::Module(module) => {
                         if module.cuts == 0 {
@@ -256,7 +329,7 @@ impl UnitKind {
     /// Bits of a use's operand that a unit takes, given the operand's range; `None` if the hardware has no such port.
     fn operand(&self, place: usize, range: crate::interval::Range) -> Option<(u32, u32)> {
         match &self.hardware {
-            Hardware::Multiplier(widths) => {
+            Hardware::Multiplier { widths, .. } => {
                 let low = range.zeros.min(62);
                 Some((low, low + widths[place]))
             }
@@ -267,10 +340,18 @@ impl UnitKind {
         }
     }
 
+    /// Number of ports for operands.
+    fn ports(&self) -> usize {
+        match self.hardware {
+            Hardware::Multiplier { .. } => 2,
+            Hardware::Module(_) => self.uses[0].inputs.len(),
+        }
+    }
+
     /// Width and sign of an operand's port.
     fn port(&self, place: usize) -> Option<(u32, bool)> {
         match &self.hardware {
-            Hardware::Multiplier(widths) => Some((widths[place], true)),
+            Hardware::Multiplier { widths, .. } => Some((widths[place], true)),
             Hardware::Module(module) => {
                 let port = module.inputs.iter().find(|port| port.place == place)?;
                 Some((port.format.width(), port.format.signed()))
@@ -339,6 +420,7 @@ pub(super) fn top(
         parts: Parts::default(),
         operands: BTreeMap::new(),
         zeros: BTreeSet::new(),
+        sums: BTreeMap::new(),
         results: BTreeMap::new(),
         register_bits: 0,
         uses_ring: false,
@@ -389,7 +471,7 @@ pub(super) fn top(
     ];
     let units_used = folded.kinds.iter().zip(&folded.schedule.units);
     let units_about =
-        units_used.map(|(kind, units)| format!("  {units} x {}, {} uses", kind.name, folded.use_count(kind)));
+        units_used.map(|(kind, units)| format!("  {units} x {}, {} uses", kind.name, kind.slots(&folded.shape)));
     let about: Vec<String> = about.into_iter().chain(units_about).collect();
     let mut text = header(name, &about);
     text += &format!("module {name} (\n{});\n\n", port_list(&port_lines(&inputs, &outputs)));

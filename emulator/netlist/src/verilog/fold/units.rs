@@ -15,6 +15,7 @@ use super::super::share::{Group, Operand, Run as GroupRun};
 use super::compound::{Compound, Content, Use, compounds, joined};
 use super::grow::grown;
 use super::shape::{Join, Shape};
+use super::sums::{PRODUCT, SUM, sums};
 use crate::graph::{Kind, Net, Node, NodeId, Op, Run, Tap};
 use crate::interval::{Range, Ranges};
 use crate::unit::Unit;
@@ -22,8 +23,13 @@ use crate::unit::Unit;
 /// Hardware of a kind of unit.
 #[derive(Clone, Debug)]
 pub(super) enum Hardware {
-    /// A multiplier of two signed operands of these widths, with a rank of registers before and one after it.
-    Multiplier([u32; 2]),
+    /// A multiplier of two signed operands, with a rank of registers before and one after it.
+    Multiplier {
+        /// Bits of the operands.
+        widths: [u32; 2],
+        /// Bits of the accumulator behind it.
+        sum_bits: u32,
+    },
     /// A module, with a rank of registers before and one after it.
     Module(Box<Module>),
 }
@@ -44,16 +50,26 @@ pub(super) struct UnitKind {
 impl UnitKind {
     /// Outcomes of a use that others may read: place in the unit, range there, node.
     pub(super) fn outcomes(&self, own: &Use) -> impl Iterator<Item = (usize, Range, NodeId)> {
-        let all = self.outputs.iter().filter_map(|&(place, range)| Some((place, range, own.nodes[place].node()?)));
+        let all = self.outputs.iter().filter_map(|&(place, range)| Some((place, range, own.nodes.get(place)?.node()?)));
         all.filter(|&(place, _, id)| own.place(id) == Some(place))
     }
 
     /// Cycles from the choice of the operands to the outcome.
     pub(super) fn latency(&self) -> u32 {
         match &self.hardware {
-            Hardware::Multiplier(_) => 2,
+            Hardware::Multiplier { .. } => 2,
             Hardware::Module(module) => 2 + module.cuts,
         }
+    }
+
+    /// Cycles from the last operands of a use to its outcome: an accumulator takes one more than its multiplier.
+    pub(super) fn latency_of(&self, own: &Use) -> u32 {
+        self.latency() + u32::from(!own.signs.is_empty())
+    }
+
+    /// Slots that its uses take for a fragment.
+    pub(super) fn slots(&self, shape: &Shape) -> u32 {
+        self.uses.iter().map(|own| shape.copies[own.first() as usize] * own.slots() as u32).sum()
     }
 }
 
@@ -114,13 +130,18 @@ fn singles(shape: &Shape, taken: &BTreeSet<NodeId>) -> Vec<Vec<NodeId>> {
     found
 }
 
-/// The product of two wires, if a node is one.
-fn is_product(shape: &Shape, id: NodeId) -> bool {
+/// True for a product of two wires.
+pub(super) fn is_product(shape: &Shape, id: NodeId) -> bool {
     matches!(shape.net.node(id).op.unit(&shape.ranges, id), Unit::Multiplier(_))
 }
 
-/// Every kind of shared unit of a folded netlist; the first is the multiplier. The context has depth, target and names.
-pub(super) fn kinds(shape: &Shape, context: Context) -> Result<Vec<UnitKind>, VerilogError> {
+/// Every kind of shared unit of a folded netlist; the first is the multiplier, of which there are `multipliers`. A sum has at most `longest` products.
+/// The context has depth, target and names.
+pub(super) fn kinds(
+    shape: &Shape,
+    [multipliers, longest]: [usize; 2],
+    context: Context,
+) -> Result<Vec<UnitKind>, VerilogError> {
     let net = &shape.net;
     let copies = |uses: &[Use]| uses.iter().map(|own| shape.copies[own.first() as usize]).sum::<u32>();
     let mut all = joined(compounds(net, candidates(shape)));
@@ -130,15 +151,24 @@ pub(super) fn kinds(shape: &Shape, context: Context) -> Result<Vec<UnitKind>, Ve
     let singles = compounds(net, singles(shape, &taken));
     all.extend(singles.into_iter().filter(|single| copies(&single.uses) > 1 || is_table(&single.uses)));
     let named: Vec<&str> = all.iter().map(|compound| base_name(net, compound)).collect();
-    let all = grown(shape, all);
+    let taken: BTreeSet<NodeId> = all.iter().flat_map(|compound| &compound.uses).flat_map(Use::operations).collect();
+    let products: Vec<NodeId> = (0..net.nodes.len() as NodeId).filter(|&id| is_product(shape, id)).collect();
+    let slots: usize = products.iter().map(|&id| shape.copies[id as usize] as usize).sum();
+    // The products of a sum fit into half an interval, so that there is room for them.
+    let most = longest.min(slots.div_ceil(multipliers) / 2);
+    let (sums, sum_bits) = sums(shape, &taken, most, context);
+    let of_sums: BTreeSet<NodeId> = sums.iter().flat_map(Use::operations).collect();
+    let all = grown(shape, all, &of_sums);
     let taken: BTreeSet<NodeId> = all.iter().flat_map(|compound| &compound.uses).flat_map(Use::operations).collect();
 
     let mut found = Vec::new();
-    let products = (0..net.nodes.len() as NodeId).filter(|&id| is_product(shape, id) && !taken.contains(&id));
-    let products: Vec<Use> =
-        products.map(|id| Use::new(&[id], &net.node(id).op.operands().collect::<Vec<_>>())).collect();
+    let alone = products.into_iter().filter(|id| !taken.contains(id) && !of_sums.contains(id));
+    let mut products: Vec<Use> =
+        alone.map(|id| Use::new(&[id], &net.node(id).op.operands().collect::<Vec<_>>())).collect();
+    products.extend(sums);
+    products.sort_by_key(Use::first);
     if !products.is_empty() {
-        found.push(multiplier(shape, products, context.prefix));
+        found.push(multiplier(shape, products, sum_bits, context.prefix));
     }
     let mut names: HashMap<&'static str, u32> = HashMap::new();
     for (compound, base) in all.into_iter().zip(named) {
@@ -162,21 +192,23 @@ fn base_name(net: &Net, compound: &Compound) -> &'static str {
     }
 }
 
-fn multiplier(shape: &Shape, mut uses: Vec<Use>, prefix: &str) -> UnitKind {
+fn multiplier(shape: &Shape, mut uses: Vec<Use>, sum_bits: u32, prefix: &str) -> UnitKind {
     let mut widths = [0, 0];
     for own in &mut uses {
         // The wider operand is the first one.
         let own_width = |content: &Content| content.node().map_or(0, |id| signed_width(shape.ranges.of(id)));
-        own.inputs.sort_by_key(|content| std::cmp::Reverse(own_width(content)));
-        for (width, input) in widths.iter_mut().zip(&own.inputs) {
-            *width = own_width(input).max(*width);
+        for operands in own.inputs.chunks_mut(2) {
+            operands.sort_by_key(|content| std::cmp::Reverse(own_width(content)));
+            for (width, input) in widths.iter_mut().zip(operands) {
+                *width = own_width(input).max(*width);
+            }
         }
     }
     UnitKind {
         name: format!("{prefix}multiplier"),
         uses,
-        hardware: Hardware::Multiplier(widths),
-        outputs: vec![(0, Range::of(0))],
+        hardware: Hardware::Multiplier { widths, sum_bits },
+        outputs: vec![(PRODUCT, Range::of(0)), (SUM, Range::of(0))],
     }
 }
 
