@@ -25,11 +25,15 @@ pub mod light;
 pub mod pixel;
 
 pub use footprint::{
-    TextureFootprint, cube_place, environment_probe, probe_reach, sphere_probe, texture_footprint, texture_probe,
+    TextureFootprint, covering, cube_place, environment_probe, principal, probe_reach, sphere_probe, texture_footprint,
+    texture_probe,
 };
 pub use light::{
     Gloss, Highlight, LitSurface, PeakLight, gloss, highlight, horizon, horizon_slopes, leave_highlight, lit_peak,
     lit_surface, local_components, local_direction, packed_peak, peak, peak_light, peak_sum,
 };
-pub use reflection::{Reflection, fragment, map_scale, mirrored, reflection, reflection_of};
+pub use reflection::{
+    Reflection, face_ellipse, fragment, map_scale, mirror, mirrored, no_probes, pixel_column, reflection,
+    reflection_of, rough_column, status,
+};
 pub use surface::{Framed, LobeLaw, Surface, framed, lobe, lobe_law, surface, surface_in_frame};

@@ -13,14 +13,17 @@
 //! ```
 //!
 //! A fragment ([`ReflectionIn`]) gives a [`FaceFootprint`] by `Chrome::reflect`. Its [`probes`](FaceFootprint::probes) say where to read, or its
-//! [`colour`](FaceFootprint::colour) reads a [`CubeMemory`] that the program supplies. A wide lobe has a [`SphereFootprint`], by `sweep`. Nothing
-//! allocates, panics or names a float. Nothing divides except the set-up of a map (`Chrome::texture`). Small processors have a backend of their own
-//! ([`mod@crate::small`]) with the bits of every other backend.
+//! [`colour`](FaceFootprint::colour) reads a [`CubeMemory`] that the program supplies. A wide lobe has a [`SphereFootprint`], by `sweep`. A
+//! [`Batch`] of fragments has the same footprints, and its code stays in a small instruction cache. Nothing allocates, panics or names a float. Nothing
+//! divides except the set-up of a map (`Chrome::texture`). Small processors have a backend of their own ([`mod@crate::small`]) with the bits of every
+//! other backend.
 //!
 //! Build with `opt-level = 3`. The stages are inlined at any level, and constants remove what the plan leaves out. `"s"` makes them larger *and*
 //! slower (rv32imac, all effects: 6.7 KB and 8400 instructions more), for it leaves the small functions between them as calls. The feature
 //! `small-code` makes programs smaller: it normalises blocks by calls, with a fifth (`Standard`) to a third (`Narrow`) fewer bytes for 1.6 times the
 //! instructions.
+
+mod batch;
 
 use crate::datapath::{self, Reflection};
 use crate::fx::{Control, Fx, Int};
@@ -36,6 +39,8 @@ use crate::signals::{CubePoint, FacePosition, MapScale, Probes, Sweep, TexturePo
 use crate::stage::texture::TextureScale;
 use crate::width::{self, IntegerCount, IntegerWord, Whole, of_ports, to_ports};
 use crate::word::{self, Wire};
+
+pub use batch::Batch;
 
 /// An accuracy as a type: one of the named profiles below, or a type with other knobs.
 pub trait Accuracy {

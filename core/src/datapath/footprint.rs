@@ -22,7 +22,7 @@ pub(super) fn pixel_ellipse<W: Staged>(pixel: &[Block<W, 2>; 2], p: &Precision) 
 
 /// Axes of an ellipse.
 #[inline(always)]
-pub(super) fn principal<W: Staged>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<W> {
+pub fn principal<W: Staged>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<W> {
     stage!("axes", axes::axes(ellipse, p))
 }
 
@@ -30,7 +30,13 @@ pub(super) fn principal<W: Staged>(ellipse: &Ellipse<W>, p: &Precision) -> Axes<
 #[inline(always)]
 pub(super) fn assemble<W: Staged>(ellipse: &Ellipse<W>, map: &MapScale<W>, p: &Precision) -> (Axes<W>, Probes<W>) {
     let axes = principal(ellipse, p);
-    (axes, stage!("probes", probes::probes(&axes, map, p)))
+    (axes, covering(&axes, map, p))
+}
+
+/// Probes that cover an ellipse on a map, from its axes.
+#[inline(always)]
+pub fn covering<W: Staged>(axes: &Axes<W>, map: &MapScale<W>, p: &Precision) -> Probes<W> {
+    stage!("probes", probes::probes(axes, map, p))
 }
 
 /// Place of a point of the cube, which is that of an environment footprint's only probe.

@@ -77,17 +77,38 @@ pub fn reflection_of<W: Staged>(
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> Reflection<W> {
-    let Surface { normal, view, frame, normal_mod, .. } = surface;
     let (reflected, point) = mirrored(surface, p);
-    let mirror = Mirror { normal: normal_mod, view, reflected: &reflected, point: &point };
-    let derivatives = [dview, dnormal];
+    let mirror = mirror(surface, &reflected, &point);
+    let sides = [[&dview[0], &dnormal[0]], [&dview[1], &dnormal[1]]];
     let FootprintStages { columns, ellipse, axes, probes, sweep } = match plan.footprint {
         FootprintKind::None => FootprintStages::none(),
-        FootprintKind::Face => on_face(surface, &mirror, derivatives, map, plan, p),
-        FootprintKind::Sphere => on_sphere(surface, &mirror, derivatives, map, plan, p),
+        FootprintKind::Face => on_face(surface, &mirror, sides, map, plan, p),
+        FootprintKind::Sphere => on_sphere(surface, &mirror, sides, map, plan, p),
     };
 
-    let status = control_stage!("status", {
+    let status = status(surface, &reflected, &point, &probes);
+    Reflection { surface: *surface, reflected, point, columns, ellipse, axes, probes, sweep, status }
+}
+
+/// Quantities that all columns of a fragment share.
+#[inline(always)]
+pub fn mirror<'a, W: Staged>(
+    surface: &'a Surface<W>,
+    reflected: &'a Reflected<W>,
+    point: &'a CubePoint<W>,
+) -> Mirror<'a, W> {
+    Mirror { normal: &surface.normal_mod, view: &surface.view, reflected, point }
+}
+
+/// Sticky bits of a fragment, from the stages that raise them.
+#[inline(always)]
+pub fn status<W: Staged>(
+    Surface { normal, view, frame, .. }: &Surface<W>,
+    reflected: &Reflected<W>,
+    point: &CubePoint<W>,
+    probes: &Probes<W>,
+) -> Int<W> {
+    control_stage!("status", {
         Status::<W>::clear()
             .raise(StatusBit::NormalZero, normal.is_zero())
             .raise(StatusBit::ViewZero, view.is_zero())
@@ -98,8 +119,7 @@ pub fn reflection_of<W: Staged>(
             .raise(StatusBit::FootprintSaturated, probes.saturated)
             .raise(StatusBit::ProbesCapped, probes.capped)
             .word()
-    });
-    Reflection { surface: *surface, reflected, point, columns, ellipse, axes, probes, sweep, status }
+    })
 }
 
 /// Results from columns to probes, for either kind of footprint; fields of the other kind have their neutral value.
@@ -116,14 +136,6 @@ impl<W: Staged> FootprintStages<W> {
     #[inline(always)]
     fn none() -> Self {
         let number = Block::zero();
-        let probes = Probes {
-            count: Fx::int(1),
-            step: [Fx::zero(); 2],
-            lod: Fx::zero(),
-            empty: !never::<W>(),
-            saturated: never::<W>(),
-            capped: never::<W>(),
-        };
         let sweep = Sweep {
             centre: [Fx::zero(); 3],
             first: [Fx::zero(); 3],
@@ -136,54 +148,95 @@ impl<W: Staged> FootprintStages<W> {
             columns: [Block::zero(); 4],
             ellipse: Ellipse { k: Block::zero(), det: number },
             axes: Axes { major: number, minor: number, direction: [Fx::int(1), Fx::zero()] },
-            probes,
+            probes: no_probes(),
             sweep,
         }
+    }
+}
+
+/// Probes of the footprint of a point: one, at the finest level.
+#[inline(always)]
+pub fn no_probes<W: Staged>() -> Probes<W> {
+    Probes {
+        count: Fx::int(1),
+        step: [Fx::zero(); 2],
+        lod: Fx::zero(),
+        empty: !never::<W>(),
+        saturated: never::<W>(),
+        capped: never::<W>(),
     }
 }
 
 /// Derivatives of v and n over one side of the pixel.
 #[inline(always)]
 fn pixel_side<W: Staged>(
-    [dview, dnormal]: [&[PortBlock<W, 3>; 2]; 2],
-    i: usize,
+    [dview, dnormal]: [&PortBlock<W, 3>; 2],
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> [Block<W, 3>; 2] {
-    // Picked here, where the side is known: a stage is a function of its own.
-    let (dview, dnormal) = (&dview[i], &dnormal[i]);
     let dv = stage!("enter.dview", enter::enter(dview, p));
     let dn = if plan.curvature { stage!("enter.dnormal", enter::enter(dnormal, p)) } else { Block::zero() };
     [dv, dn]
 }
 
+/// Column of one side of the pixel on the plane of the face.
+#[inline(always)]
+pub fn pixel_column<W: Staged>(
+    mirror: &Mirror<'_, W>,
+    derivatives: [&PortBlock<W, 3>; 2],
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> Block<W, 2> {
+    let [dv, dn] = pixel_side(derivatives, plan, p);
+    stage!("columns.pixel", columns::column(mirror, &dv, &dn, p))
+}
+
+/// Column of one of the two roughness tangents on the plane of the face.
+#[inline(always)]
+pub fn rough_column<W: Staged>(
+    mirror: &Mirror<'_, W>,
+    Surface { normal, rough, .. }: &Surface<W>,
+    tangent: usize,
+    p: &Precision,
+) -> Block<W, 2> {
+    // Picked here, where the tangent is known: a stage is a function of its own.
+    let dn = &rough[tangent];
+    stage!("columns.roughness", columns::column(mirror, &Block::zero(), &dn.scaled(normal.e), p))
+}
+
+/// Ellipse of the columns of a pixel and, if the plan has any, of its roughness.
+#[inline(always)]
+pub fn face_ellipse<W: Staged>(
+    pixel: &[Block<W, 2>; 2],
+    rough: &[Block<W, 2>; 2],
+    plan: &ReflectionPlan,
+    p: &Precision,
+) -> Ellipse<W> {
+    match plan.roughness {
+        RoughnessKind::None => pixel_ellipse(pixel, p),
+        _ => stage!("ellipse", {
+            let [box_x, box_y] = ellipse::pixel_columns(pixel, p);
+            ellipse::ellipse([box_x, box_y, rough[0], rough[1]], p)
+        }),
+    }
+}
+
 /// Footprint on the plane of the face (W97).
 #[inline(always)]
 fn on_face<W: Staged>(
-    Surface { normal, rough, .. }: &Surface<W>,
+    surface: &Surface<W>,
     mirror: &Mirror<'_, W>,
-    derivatives: [&[PortBlock<W, 3>; 2]; 2],
+    sides: [[&PortBlock<W, 3>; 2]; 2],
     map: &MapScale<W>,
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> FootprintStages<W> {
-    let pixel = each!(i in [0, 1] => {
-        let [dv, dn] = pixel_side(derivatives, i, plan, p);
-        stage!("columns.pixel", columns::column(mirror, &dv, &dn, p))
-    });
-    let (rough, ellipse) = match plan.roughness {
-        RoughnessKind::None => ([Block::zero(); 2], pixel_ellipse(&pixel, p)),
-        _ => {
-            let rough = each!(dn in *rough => {
-                stage!("columns.roughness", columns::column(mirror, &Block::zero(), &dn.scaled(normal.e), p))
-            });
-            let ellipse = stage!("ellipse", {
-                let [box_x, box_y] = ellipse::pixel_columns(&pixel, p);
-                ellipse::ellipse([box_x, box_y, rough[0], rough[1]], p)
-            });
-            (rough, ellipse)
-        }
+    let pixel = each!(derivatives in sides => pixel_column(mirror, derivatives, plan, p));
+    let rough = match plan.roughness {
+        RoughnessKind::None => [Block::zero(); 2],
+        _ => each!(side in [0, 1] => rough_column(mirror, surface, side, p)),
     };
+    let ellipse = face_ellipse(&pixel, &rough, plan, p);
     let (axes, probes) = assemble(&ellipse, map, p);
     let columns = [pixel[0], pixel[1], rough[0], rough[1]];
     FootprintStages { columns, ellipse, axes, probes, ..FootprintStages::none() }
@@ -194,12 +247,12 @@ fn on_face<W: Staged>(
 fn on_sphere<W: Staged>(
     Surface { normal, rough, .. }: &Surface<W>,
     mirror: &Mirror<'_, W>,
-    derivatives: [&[PortBlock<W, 3>; 2]; 2],
+    sides: [[&PortBlock<W, 3>; 2]; 2],
     map: &MapScale<W>,
     plan: &ReflectionPlan,
     p: &Precision,
 ) -> FootprintStages<W> {
-    let [x, y] = each!(i in [0, 1] => pixel_side(derivatives, i, plan, p));
+    let [x, y] = each!(derivatives in sides => pixel_side(derivatives, plan, p));
     match plan.roughness {
         RoughnessKind::None => lobe(mirror, [x, y], map, p),
         _ => {

@@ -2,6 +2,7 @@
 //!
 //! Tests run one by one, the quick ones first, up to the first failure. An argument selects the tests whose names contain it.
 
+mod batch;
 mod designs;
 mod elementary;
 mod lists;
@@ -85,6 +86,8 @@ tests! {
     scalar_api::a_backend_that_branches_has_the_probes_of_one_that_does_not,
     scalar_api::constants_of_a_map_are_those_of_its_longer_edge,
     scalar_api::firmware_has_the_bits_of_the_scalar_api,
+    batch::a_batch_ends_after_its_fragments,
+    batch::a_batch_has_the_bits_of_its_fragments_alone,
     designs::what_a_design_makes_of_random_integers_hashes_to_what_it_did,
     maps::what_fragments_see_of_maps_hashes_to_what_it_did,
     maps::beyond_the_last_level_of_a_map_the_last_one_is_read,
