@@ -9,9 +9,17 @@ use roughxel_core::knob::Knob;
 use roughxel_core::precision::{Precision, Profile};
 
 /// Work of a plan, by the first part of its name: the type of the value that it prepares once, the preparation, and the work on a sample.
-const WORK: [(&str, [&str; 3]); 8] = [
+const WORK: [(&str, [&str; 3]); 9] = [
     ("empty", ["()", "()", "(sample, prepared)"]),
     ("reflection", ["Environment<Plan>", "Plan::environment(SKY_EDGE)", "Plan::reflect(&sample.reflection, prepared)"]),
+    (
+        "batch",
+        [
+            "(Environment<Plan>, Batch<Plan, BATCH>)",
+            "(Plan::environment(SKY_EDGE), Batch::new())",
+            "Footprints(prepared.1.reflect(sample.batch, &prepared.0))",
+        ],
+    ),
     ("ports", ["()", "()", "(Plan::reflection(&sample.reflection), prepared)"]),
     (
         "pixel",
@@ -33,6 +41,9 @@ const WORK: [(&str, [&str; 3]); 8] = [
     ),
     ("texture", ["Texture<Plan>", "Plan::texture([256; 2])", "Plan::texture_footprint(&sample.texture, prepared)"]),
 ];
+
+/// Fragments of a batch.
+const BATCH: usize = 64;
 
 /// Variable of the environment on which the build depends.
 fn variable(name: &str, otherwise: &str) -> String {
@@ -79,8 +90,9 @@ pub fn write(out: &Path) {
     let value = Knob::ALL.into_iter().fold("Precision::STANDARD".into(), |within: String, knob| {
         format!("Knob::{knob:?}.with({}, {within})", knob.value_in(&precision))
     });
+    let batch = if name == "batch" { BATCH } else { 1 };
     let text = format!(
-        "/// Its accuracy.\nstruct Knobs;\nimpl Accuracy for Knobs {{\n    type Word = width::{word};\n    const PRECISION: Precision = \
+        "/// Fragments that are shaded together.\n#[allow(dead_code, reason = \"a plan need not shade batches\")]\nconst BATCH: usize = {batch};\n/// Its accuracy.\nstruct Knobs;\nimpl Accuracy for Knobs {{\n    type Word = width::{word};\n    const PRECISION: Precision = \
          {value};\n}}\n\
          /// The plan that is priced.\nstruct Plan;\nimpl Firmware for Plan {{\n    type Accuracy = Knobs;\n    const EFFECTS: Effects = \
          Effects {{ {effects}..Effects::NONE }};\n}}\n\

@@ -1,4 +1,4 @@
-// Block RAM with two ports, which answers one clock after a request, and the two devices that a program needs.
+// Block RAM with two ports, which answers one clock after a request, and the two devices that a program needs. +waits=N adds N clocks to each answer.
 //
 // A store to the finisher (0x00100000) marks the begin (1) or the end (2) of a fragment, or ends the simulation (0x5555).
 // A store to the serial port (0x10000000) prints a character. Everything else is memory.
@@ -21,7 +21,9 @@ module memory (
     // 256 KiB.
     reg [31:0] words [0:65535];
     reg [8*512-1:0] image;
+    reg [7:0] waits = 0;
     initial begin
+        if ($value$plusargs("waits=%d", waits)) begin end
         if (!$value$plusargs("image=%s", image)) $fatal(1, "+image=FILE names the program");
         $readmemh(image, words);
     end
@@ -29,13 +31,20 @@ module memory (
     reg [63:0] clock = 0, begun = 0, clocks = 0;
     reg [31:0] fragments = 0;
 
+    // Clocks for which each port has waited.
+    reg [7:0] fetch_waited = 0, waited = 0;
+    wire fetches = fetch && !fetched && !reset && fetch_waited == waits;
+    wire answers = request && !answered && !reset && waited == waits;
+
     always @(posedge clk) begin
         clock <= clock + 1;
-        fetched <= fetch && !fetched && !reset;
+        fetch_waited <= fetch && !fetched && !fetches && !reset ? fetch_waited + 1 : 0;
+        waited <= request && !answered && !answers && !reset ? waited + 1 : 0;
+        fetched <= fetches;
         fetch_word <= words[fetch_address[17:2]];
-        answered <= request && !answered && !reset;
+        answered <= answers;
         word <= words[address[17:2]];
-        if (request && !answered && !reset && write != 0) begin
+        if (answers && write != 0) begin
             if (address == 32'h00100000) begin
                 case (data)
                     1: begun <= clock;

@@ -28,15 +28,26 @@ struct Core {
     sources: &'static str,
     /// Parameters that differ from the core's own.
     parameters: &'static [&'static str],
+    /// Wait states of the memory: clocks that an answer takes beyond one.
+    waits: u32,
 }
 
-const CORES: [Core; 9] = [
+const CORES: [Core; 10] = [
     Core {
         name: "VexRiscv, standard",
         target: Target::Riscv32Im,
         package: "vexriscv",
         sources: "VexRiscv.v",
         parameters: &[],
+        waits: 0,
+    },
+    Core {
+        name: "VexRiscv, standard, two wait states",
+        target: Target::Riscv32Im,
+        package: "vexriscv",
+        sources: "VexRiscv.v",
+        parameters: &[],
+        waits: 2,
     },
     Core {
         name: "VexRiscv, Lite",
@@ -44,6 +55,7 @@ const CORES: [Core; 9] = [
         package: "vexriscv",
         sources: "VexRiscv_Lite.v",
         parameters: &[],
+        waits: 0,
     },
     Core {
         name: "PicoRV32, fast multiplier, barrel shifter",
@@ -51,6 +63,7 @@ const CORES: [Core; 9] = [
         package: "picorv32",
         sources: "picorv32.v",
         parameters: &["ENABLE_FAST_MUL=1", "BARREL_SHIFTER=1"],
+        waits: 0,
     },
     Core {
         name: "PicoRV32, bit-serial multiplier",
@@ -58,6 +71,7 @@ const CORES: [Core; 9] = [
         package: "picorv32",
         sources: "picorv32.v",
         parameters: &["ENABLE_MUL=1"],
+        waits: 0,
     },
     Core {
         name: "VexRiscv, Min",
@@ -65,6 +79,7 @@ const CORES: [Core; 9] = [
         package: "vexriscv",
         sources: "VexRiscv_Min.v",
         parameters: &[],
+        waits: 0,
     },
     Core {
         name: "PicoRV32, barrel shifter",
@@ -72,25 +87,42 @@ const CORES: [Core; 9] = [
         package: "picorv32",
         sources: "picorv32.v",
         parameters: &["BARREL_SHIFTER=1"],
+        waits: 0,
     },
-    Core { name: "PicoRV32", target: Target::Riscv32I, package: "picorv32", sources: "picorv32.v", parameters: &[] },
+    Core {
+        name: "PicoRV32",
+        target: Target::Riscv32I,
+        package: "picorv32",
+        sources: "picorv32.v",
+        parameters: &[],
+        waits: 0,
+    },
     Core {
         name: "PicoRV32, shifts of one place a clock",
         target: Target::Riscv32I,
         package: "picorv32",
         sources: "picorv32.v",
         parameters: &["TWO_STAGE_SHIFT=0"],
+        waits: 0,
     },
-    Core { name: "SERV", target: Target::Riscv32I, package: "serv", sources: "rtl", parameters: &[] },
+    Core { name: "SERV", target: Target::Riscv32I, package: "serv", sources: "rtl", parameters: &[], waits: 0 },
 ];
 
 /// Columns of the table: plan and profile of a program. f32 has no profile.
-const COLUMNS: [(&str, &str, &str); 4] = [
+const COLUMNS: [(&str, &str, &str); 6] = [
     ("narrow", ALL_EFFECTS, "narrow"),
     ("standard", ALL_EFFECTS, "standard"),
     ("precise", ALL_EFFECTS, "precise"),
     ("f32", "float", "standard"),
+    ("narrow in a batch", IN_A_BATCH, "narrow"),
+    ("standard in a batch", IN_A_BATCH, "standard"),
 ];
+
+/// [`ALL_EFFECTS`] in batches.
+const IN_A_BATCH: &str = "batch+bump+curvature+footprint+anisotropic";
+
+/// Suffix of a column whose fragments are shaded in batches. Their bits are those of the column without it.
+const BATCH: &str = " in a batch";
 
 /// Clocks after which a program is given up.
 const LIMIT: &str = "4000000000";
@@ -183,7 +215,7 @@ fn program(target: Target, (column, plan, profile): (&str, &str, &str)) -> Resul
     let Some(check) = check.filter(|_| code == 0) else {
         return Err(Failure::trouble(format!("{column} on {}: exit code {code}\n{output}", target.name())));
     };
-    let image = folder().join(format!("{column}.{}.hex", target.name()));
+    let image = folder().join(format!("{}.{}.hex", column.replace(' ', "-"), target.name()));
     std::fs::write(&image, image::words(&built)?).map_err(Failure::trouble)?;
     Ok(Program { image, check })
 }
@@ -200,6 +232,13 @@ pub fn run() -> Result<(), Failure> {
             progress.set_message(format!("{} {}", target.name(), column.0));
             programs.insert((target.name(), column.0), program(target, column)?);
             progress.inc(1);
+        }
+        for (column, one_at_a_time) in
+            COLUMNS.iter().filter_map(|&(column, ..)| Some((column, column.strip_suffix(BATCH)?)))
+        {
+            if programs[&(target.name(), column)].check != programs[&(target.name(), one_at_a_time)].check {
+                return Err(Failure::broken(format!("{column} on {}: not the bits of {one_at_a_time}", target.name())));
+            }
         }
     }
     let mut cores = serde_json::Map::new();
@@ -225,13 +264,17 @@ fn clocks(core: &Core, programs: &BTreeMap<(&str, &str), Program>, progress: &Pr
     for (column, ..) in COLUMNS {
         progress.set_message(format!("{} {column}", core.name));
         let Program { image, check } = &programs[&(core.target.name(), column)];
-        let output = tool(Command::new(&model).arg(format!("+image={}", image.display())).arg(LIMIT), "it was built")?;
+        let mut model = Command::new(&model);
+        model.arg(format!("+image={}", image.display())).arg(format!("+waits={}", core.waits)).arg(LIMIT);
+        let output = tool(&mut model, "it was built")?;
         let numbers = measure::numbers(&output);
         if numbers.get("check") != Some(check) {
             return Err(Failure::broken(format!("{column} on {}: not check value {check}\n{output}", core.name)));
         }
-        let taken = numbers.get("clocks").ok_or_else(|| Failure::trouble(format!("{}: no clocks", core.name)))?;
-        clocks.insert(column.into(), json!(taken));
+        let (Some(taken), Some(batch @ 1..)) = (numbers.get("clocks"), numbers.get("batch")) else {
+            return Err(Failure::trouble(format!("{}: no clocks", core.name)));
+        };
+        clocks.insert(column.into(), json!(taken / batch));
         progress.inc(1);
     }
     Ok(Value::Object(clocks))
@@ -246,8 +289,9 @@ pub fn part() -> Result<String, Failure> {
     let tools: Vec<&str> = tools.iter().filter_map(Value::as_str).collect();
     let mut text = format!(
         "{HEADING}\nMade by `cargo firmware clocks`: reflection, all effects, in clocks a fragment. The Verilog of each core runs with block RAM \
-         that answers after one clock. A figure is a mean over 16 of the 64 fragments, and every result has the bits of QEMU. f32 is the baseline \
-         with libm. {}.\n\n| core | target | {} | narrow/standard | f32/standard |\n|---|---|{}---:|---:|\n",
+         that answers after one clock, or later by its wait states. A figure is a mean over 16 of the 64 fragments, in a batch over all of them, and \
+         every result has the bits of QEMU. f32 is the baseline with libm. {}.\n\n| core | target | {} | narrow/standard | f32/standard | \
+         batch/standard | f32/batch |\n|---|---|{}---:|---:|---:|---:|\n",
         tools.join(", "),
         COLUMNS.map(|(column, ..)| column).join(" | "),
         "---:|".repeat(COLUMNS.len()),
@@ -258,10 +302,12 @@ pub fn part() -> Result<String, Failure> {
             let clocks = measures["clocks"][core.name][column].as_u64();
             row.insert(column, clocks.ok_or_else(|| wrong(&format!("no {column} of {}", core.name)))?);
         }
-        let ratio = |column: &str| row[column] as f64 / row["standard"] as f64;
+        let ratio = |column: &str, to: &str| row[column] as f64 / row[to] as f64;
         let cells = COLUMNS.map(|(column, ..)| row[column].to_string()).join(" | ");
-        let (narrow, float) = (ratio("narrow"), ratio("f32"));
-        let _ = writeln!(text, "| {} | {} | {cells} | {narrow:.2} | {float:.2} |", core.name, core.target.name());
+        let batch = "standard in a batch";
+        let ratios = [("narrow", "standard"), ("f32", "standard"), (batch, "standard"), ("f32", batch)];
+        let ratios = ratios.map(|(column, to)| format!("{:.2}", ratio(column, to))).join(" | ");
+        let _ = writeln!(text, "| {} | {} | {cells} | {ratios} |", core.name, core.target.name());
     }
     Ok(text)
 }

@@ -32,8 +32,8 @@ cargo firmware price --knobs [-o FILE]
     Writes instructions, bytes and stack of one plan at many settings of the accuracy knobs, and instructions of a probe at every width,
     on the three QEMU machines: emulator/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run resumes.
 cargo firmware clocks
-    Runs the Verilog of soft cores in Verilator and writes clocks a fragment: emulator/firmware/clocks.json, and a part of PRICE.md. The
-    cores are Python packages, which pip installs below emulator/firmware/target. Five minutes on two cores.
+    Runs the Verilog of soft cores in Verilator and writes clocks of a fragment alone and in a batch: emulator/firmware/clocks.json, and
+    a part of PRICE.md. The cores are Python packages, which pip installs below emulator/firmware/target. A quarter of an hour on two cores.
 
 Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).
 Rust's targets come from rustup. If it has none, they are built from the sources of the distribution's compiler (Debian: rustc-web

@@ -26,12 +26,13 @@ include!(concat!(env!("OUT_DIR"), "/plan.rs"));
 
 core::arch::global_asm!(".section .start, \"ax\"", ".globl _bare", "_bare:", "la sp, _stack_top", "j {main}", main = sym main);
 
-/// Samples to a measured fragment: a bit-serial core takes a second of simulation for each.
+/// Samples to a fragment that enters the check value. The others are shaded in batches alone: a bit-serial core takes a second of simulation for each.
 const STRIDE: usize = 4;
 
-/// Fragment as the datapath and the f32 baseline read it.
+/// Fragment as the datapath and the f32 baseline read it, with those of its batch.
 struct Sample {
     reflection: ReflectionIn,
+    batch: &'static [ReflectionIn],
     float: roughxel_f32_baseline::Fragment,
 }
 
@@ -67,7 +68,7 @@ impl fmt::Write for Serial {
 /// Result whose bits enter a check value.
 trait Checked {
     /// Folds the bits of the result into a check value.
-    fn check(&self, so_far: u32) -> u32;
+    fn check(self, so_far: u32) -> u32;
 }
 
 /// Step of a check value.
@@ -76,7 +77,7 @@ fn fold(so_far: u32, bits: i32) -> u32 {
 }
 
 impl Checked for FaceFootprint<Plan> {
-    fn check(&self, so_far: u32) -> u32 {
+    fn check(self, so_far: u32) -> u32 {
         self.probes().fold(so_far, |check, probe| {
             let CubeProbe { face, st: [s, t], weight } = probe;
             [face.into(), s.to_bits(), t.to_bits(), weight.to_bits()].into_iter().fold(check, fold)
@@ -84,18 +85,27 @@ impl Checked for FaceFootprint<Plan> {
     }
 }
 
+/// Footprints of a batch.
+struct Footprints<I>(I);
+
+impl<I: Iterator<Item = FaceFootprint<Plan>>> Checked for Footprints<I> {
+    fn check(self, so_far: u32) -> u32 {
+        self.0.step_by(STRIDE).fold(so_far, |check, footprint| footprint.check(check))
+    }
+}
+
 impl Checked for FloatFootprint {
-    fn check(&self, so_far: u32) -> u32 {
-        let Self { face, st, probes, step, lod, status } = self;
+    fn check(self, so_far: u32) -> u32 {
+        let Self { face, st, probes, step, lod, status } = &self;
         let floats = [st.x, st.y, step.x, step.y, *lod].map(|number| number.to_bits() as i32);
         let counts = [face, probes, status].map(|&count| count as i32);
         floats.into_iter().chain(counts).fold(so_far, fold)
     }
 }
 
-/// Runs one sample between two marks.
+/// Runs one sample, or the batch that begins with it, between two marks.
 #[inline(never)]
-fn measured(sample: &Sample, prepared: &Prepared, check: u32) -> u32 {
+fn measured(sample: &Sample, prepared: &mut Prepared, check: u32) -> u32 {
     let (sample, prepared) = (black_box(sample), black_box(prepared));
     Mark::Begin.set();
     let result = work!(sample, prepared);
@@ -105,13 +115,13 @@ fn measured(sample: &Sample, prepared: &Prepared, check: u32) -> u32 {
 }
 
 extern "C" fn main() -> ! {
-    let prepared = &prepare!();
+    let prepared = &mut prepare!();
     let mut check = 0;
-    for reflection in REFLECTIONS.iter().step_by(STRIDE) {
-        let sample = Sample { reflection: *reflection, float: reflection.into() };
+    for batch in REFLECTIONS.windows(BATCH).step_by(BATCH.max(STRIDE)) {
+        let sample = Sample { reflection: batch[0], batch, float: (&batch[0]).into() };
         check = measured(&sample, prepared, check);
     }
-    let _ = writeln!(Serial, "check {check}");
+    let _ = writeln!(Serial, "check {check}\nbatch {BATCH}");
     Mark::Finish.set();
     loop {
         core::hint::spin_loop();
