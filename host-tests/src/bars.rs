@@ -14,7 +14,7 @@ pub use environment::{CubeEdgeStep, cube_edge_step};
 pub use golden::{GOLDEN_FRAMES, golden_frames};
 pub use ground::{GroundFigures, ground_plane};
 pub use real_scenes::{BEHIND_16_SAMPLES, RealScene, real_scenes};
-pub use reflections::{ROUGH_PHOTOGRAPHS, ReflectionFigures, reflection_figures};
+pub use reflections::{ROUGH_PHOTOGRAPHS, ReflectionFigures, SUN, Sun, reflection_figures, suns};
 
 use roughxel_core::precision::{Precision, Profile};
 use roughxel_frame::Prepared;

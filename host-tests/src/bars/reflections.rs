@@ -1,4 +1,4 @@
-//! Reflections of rough photographs at every distance: brightness of the filtered picture over that of 256 samples a pixel, in bands of rows from
+//! Reflections of rough photographs at every distance: brightness of the filtered picture over that of 1024 samples a pixel, in bands of rows from
 //! the horizon to the eye, for each channel.
 //!
 //! The heights are a photograph on a plane to the horizon, under a sky with a sun about 1000 times as bright. The sun gives about as much light as
@@ -22,10 +22,30 @@ const EDGE: u32 = 128;
 /// Bands of rows.
 const BANDS: usize = 4;
 
-/// Samples along an edge of a pixel of the truth.
-const SAMPLES_EDGE: u32 = 16;
+/// Samples along an edge of a pixel of the truth. With 16, far bands differ by up to 9 % from those of 1024 samples; with 64, by up to 4 %.
+const SAMPLES_EDGE: u32 = 32;
 
-/// A filtered picture of reflections against 256 samples a pixel.
+/// A direction of the sun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// Angle above the horizon, degrees.
+    pub elevation: f64,
+    /// Angle from the far end of the plane to the right, degrees.
+    pub azimuth: f64,
+}
+
+/// A sun that the plane reflects towards the eye.
+pub const SUN: Sun = Sun { elevation: 35.0, azimuth: 25.0 };
+
+/// Twelve suns: at four elevations, far away, to the right and to the left.
+///
+/// One sun shows the density of slopes at one point. Their mean shows whether light is lost or made.
+pub fn suns() -> [Sun; 12] {
+    let (elevations, azimuths) = ([20.0, 35.0, 50.0, 65.0], [25.0, 115.0, 265.0]);
+    core::array::from_fn(|i| Sun { elevation: elevations[i / 3], azimuth: azimuths[i % 3] })
+}
+
+/// A filtered picture of reflections against 1024 samples a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectionFigures {
     /// Brightness of each channel over that of the truth, by band, the farthest first.
@@ -42,15 +62,26 @@ impl ReflectionFigures {
         let channels = self.bands.iter().flatten();
         channels.fold([f64::INFINITY, 0.0], |[least, most], &ratio| [ratio.min(least), ratio.max(most)])
     }
+
+    /// Mean of the figures of several pictures, at least one.
+    pub fn mean(figures: &[Self]) -> Self {
+        let mean = |number: &dyn Fn(&Self) -> f64| figures.iter().map(number).sum::<f64>() / figures.len() as f64;
+        Self {
+            bands: core::array::from_fn(|band| core::array::from_fn(|i| mean(&|figures| figures.bands[band][i]))),
+            psnr: mean(&|figures| figures.psnr),
+            psnr_of_16_samples: mean(&|figures| figures.psnr_of_16_samples),
+        }
+    }
 }
 
 /// The scene: a mirror with these heights, scaled to a slope. `keys` are further lines of its material.
-fn scene(path: &Path, rms_slope: f64, keys: &str) -> Scene {
+fn scene(path: &Path, rms_slope: f64, keys: &str, sun: Sun) -> Scene {
+    let Sun { elevation, azimuth } = sun;
     let text = format!(
         "[camera]\neye = [0, 2.2, 6]\ntarget = [0, 0, -2]\nfov_y = 40\nwidth = 96\nheight = 72\n\
          [background]\ntop = [0, 0, 0]\nbottom = [0, 0, 0]\n\
          [environment]\ngenerate = \"sky\"\nface_edge = 128\nsun = [60, 50, 36]\nradius_degrees = 2\n\
-         elevation_degrees = 35\nazimuth_degrees = 25\n\
+         elevation_degrees = {elevation}\nazimuth_degrees = {azimuth}\n\
          zenith = [0.02, 0.04, 0.09]\nhorizon = [0.1, 0.11, 0.12]\nground = [0.03, 0.025, 0.02]\n\
          [[object]]\nshape = \"plane\"\nsize = [60, 60]\nsegments = [30, 30]\nuv_repeat = [20, 20]\n\
          [object.material]\ncolour = [0, 0, 0]\nreflectance = 1\n{keys}\n\
@@ -84,22 +115,33 @@ fn psnr(frame: &Frame, truth: &Frame) -> f64 {
     -10.0 * (sum / (3 * truth.pixels.len()) as f64 / f64::from(brightest).powi(2)).log10()
 }
 
-/// Draws a photograph as heights of a slope. `keys` are further lines of its material. `None` without the photograph.
+/// Draws a photograph as heights of a slope, once with each of `keys`, further lines of its material that do not change what samples show. `None`
+/// without the photograph.
 ///
 /// # Panics
 /// If the keys are wrong, and as [`photograph`].
-pub fn reflection_figures(name: &str, rms_slope: f64, keys: &str) -> Option<ReflectionFigures> {
+pub fn reflection_figures<const N: usize>(
+    name: &str,
+    rms_slope: f64,
+    keys: [&str; N],
+    sun: Sun,
+) -> Option<[ReflectionFigures; N]> {
     let piece = photograph(name, EDGE)?;
-    let scene = scene(&piece.path(), rms_slope, keys);
-    let draw = |mode| -> Frame {
+    let draw = |keys: &str, mode| -> Frame {
+        let scene = scene(&piece.path(), rms_slope, keys, sun);
         let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene is valid");
         prepared.render(&|| ()).expect("the scene can be drawn")
     };
-    let (filtered, truth) = (draw(Mode::Footprint), draw(Mode::Supersampled { edge: SAMPLES_EDGE }));
-    let (of_filtered, of_truth) = (bands(&filtered), bands(&truth));
-    Some(ReflectionFigures {
-        bands: core::array::from_fn(|band| core::array::from_fn(|i| of_filtered[band][i] / of_truth[band][i])),
-        psnr: psnr(&filtered, &truth),
-        psnr_of_16_samples: psnr(&draw(Mode::Supersampled { edge: 4 }), &truth),
-    })
+    let truth = draw("", Mode::Supersampled { edge: SAMPLES_EDGE });
+    let of_truth = bands(&truth);
+    let psnr_of_16_samples = psnr(&draw("", Mode::Supersampled { edge: 4 }), &truth);
+    Some(keys.map(|keys| {
+        let filtered = draw(keys, Mode::Footprint);
+        let of_filtered = bands(&filtered);
+        ReflectionFigures {
+            bands: core::array::from_fn(|band| core::array::from_fn(|i| of_filtered[band][i] / of_truth[band][i])),
+            psnr: psnr(&filtered, &truth),
+            psnr_of_16_samples,
+        }
+    }))
 }
