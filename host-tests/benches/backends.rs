@@ -38,7 +38,6 @@ use roughxel_host_tests::reference;
 use roughxel_host_tests::simulators::{have, run, verilate};
 use roughxel_host_tests::table::table;
 use roughxel_netlist::bench::Bench;
-use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{Options, Verilog};
 use roughxel_record as record;
 use roughxel_scene::Scene;
@@ -181,18 +180,7 @@ impl Model {
         if !have("verilator") {
             return None;
         }
-        let options = Options {
-            profile: "standard".into(),
-            precision: PROFILE,
-            effects: Effects::ALL,
-            depth: None,
-            stage: None,
-            target: Target::Asic,
-            multipliers: None,
-            stream: None,
-            clock: None,
-            prefix: String::new(),
-        };
+        let options = Options::new("standard", PROFILE, Effects::ALL);
         let verilog = record::verilog(Self::DESIGN, &options).expect("the datapath is generated");
         let directory = tempfile::tempdir().expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");

@@ -1,5 +1,6 @@
 //! Batches of fragments.
 
+use fixed::types::I2F30;
 use roughxel_core::firmware::{Accuracy, Batch, Compact, FaceFootprint, Firmware, Narrow, Paper, Precise, Standard};
 use roughxel_core::plan::{Effects, FootprintKind, FrameSystem};
 use roughxel_core::ports::{CubeProbe, ReflectionIn};
@@ -36,7 +37,7 @@ impl<A: Accuracy, const EFFECT: usize> Firmware for Single<A, EFFECT> {
 
 /// Everything that a footprint says.
 fn all_of<F: Firmware>(footprint: &FaceFootprint<F>) -> (u8, [i32; 2], i32, u32, Vec<CubeProbe>) {
-    let st = footprint.st().map(|s| s.to_bits());
+    let st = footprint.st().map(I2F30::to_bits);
     (footprint.face(), st, footprint.lod().to_bits(), footprint.status(), footprint.probes().collect())
 }
 

@@ -138,7 +138,7 @@ impl Writer<'_> {
                     match self.results.get(&(kind, unit, place)) {
                         Some((wire, reads)) => parts.extend(unread(wire, *reads as u64)),
                         None if self.has_outcome(kind, unit, place) => {
-                            parts.push(format!("{}_{unit}_out{place}", of_kind.name))
+                            parts.push(format!("{}_{unit}_out{place}", of_kind.name));
                         }
                         None => {}
                     }

@@ -158,7 +158,9 @@ impl Scheduler<'_> {
         let taken = &mut self.units[kind].taken;
         let is_free = |cycle: &u32| phases(*cycle).into_iter().all(|phase| taken[phase] < count);
         let cycle = (from..from + self.schedule.interval).find(is_free)?;
-        phases(cycle).into_iter().for_each(|phase| taken[phase] += 1);
+        for phase in phases(cycle) {
+            taken[phase] += 1;
+        }
         Some(cycle)
     }
 
@@ -196,7 +198,9 @@ impl Scheduler<'_> {
         };
         let (end, (units, first, cycles)) = (from..from + interval).find_map(|end| Some((end, until(end)?)))?;
         let of_kind = &mut self.units[kind];
-        cycles.iter().copied().flat_map(&phases).for_each(|phase| of_kind.taken[phase] += 1);
+        for phase in cycles.iter().copied().flat_map(&phases) {
+            of_kind.taken[phase] += 1;
+        }
         for cycle in first..=end {
             for (phase, &unit) in phases(cycle).into_iter().zip(&units) {
                 of_kind.adds[unit][phase] = true;
@@ -315,7 +319,7 @@ impl Schedule {
             match scheduler.run(&ahead) {
                 Ok(()) => return Some(scheduler.schedule),
                 Err(without) if tasks.terms.contains_key(&tasks.all[without]) => {
-                    tasks.bring_forward(without, &mut ahead)
+                    tasks.bring_forward(without, &mut ahead);
                 }
                 Err(_) => return None,
             }
