@@ -5,9 +5,15 @@
 use std::collections::BTreeSet;
 
 use super::super::share::{Local, Operand};
-use super::sums;
 use crate::builder::{self, NamedWire};
 use crate::graph::{Net, NodeId, Op};
+
+/// Place of the product among the outcomes of a multiplier.
+pub(super) const PRODUCT: usize = 0;
+/// Place of the sum.
+pub(super) const SUM: usize = 1;
+/// Places of the outcomes of a multiplier; after them come the operations that only a sum reads.
+pub(super) const PLACES: usize = 2;
 
 /// Content of an input or a place of a unit for one use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +60,7 @@ impl Use {
 
     /// Product of a sum in one of its slots; `None` for any other use.
     pub(super) fn product(&self, slot: usize) -> Option<NodeId> {
-        if self.signs.is_empty() { None } else { self.nodes[sums::PLACES + slot].node() }
+        if self.signs.is_empty() { None } else { self.nodes[PLACES + slot].node() }
     }
 
     /// Slot in which it reads an input, and the unit's port for it.

@@ -12,7 +12,7 @@ use super::super::text::identifier;
 use super::binding;
 use super::compound::Use;
 use super::schedule::Schedule;
-use super::shape::Shape;
+use super::shape::{Shape, signed_width};
 use super::tasks::{self, Task, Tasks};
 use super::units::{self, Hardware, UnitKind};
 use crate::graph::{NodeId, Op};
@@ -127,7 +127,7 @@ impl Folded {
         let (_, mut kinds) = shortest.expect("some length is tried");
         let of_shape = shape.clone();
         scheduled(&of_shape, &kinds.clone(), flat, budget, |mut body, tasks, mut schedule| {
-            let bits = |id| units::signed_width(shape.ranges.of(id));
+            let bits = |id| signed_width(shape.ranges.of(id));
             binding::improve(&shape, &mut kinds, &mut schedule, |id| tasks::base(&body, id), bits);
             tasks.demand(&shape, &kinds, &mut body, |task, base, part| {
                 let cycle = match task {

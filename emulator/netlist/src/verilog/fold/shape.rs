@@ -9,6 +9,7 @@ use super::super::excerpt::port;
 use super::super::share::Group;
 use crate::graph::{Net, Node, NodeId, Op, Port, Tap};
 use crate::interval::{Range, Ranges};
+use crate::unit::Unit;
 
 /// Source of a port of the folded netlist that is no port of the design.
 #[derive(Clone, Debug)]
@@ -147,7 +148,17 @@ impl Folding<'_> {
     }
 }
 
+/// Bits of a range in two's complement, with its constant low zeros.
+pub(super) fn signed_width(range: Range) -> u32 {
+    range.width() + u32::from(!range.signed())
+}
+
 impl Shape {
+    /// True for a product of two wires.
+    pub(super) fn is_product(&self, id: NodeId) -> bool {
+        matches!(self.net.node(id).op.unit(&self.ranges, id), Unit::Multiplier(_))
+    }
+
     /// Folds the runs of groups of equal hardware. `ranges` are those of every run by itself.
     pub(super) fn new(net: &Net, ranges: &Ranges, groups: &[Group]) -> Self {
         let shape = Self {

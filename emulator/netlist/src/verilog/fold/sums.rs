@@ -6,18 +6,10 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::super::context::Context;
-use super::compound::{Content, Use};
-use super::shape::{Join, Shape};
-use super::units::{is_product, signed_width};
+use super::compound::{Content, PLACES, SUM, Use};
+use super::shape::{Join, Shape, signed_width};
 use crate::graph::{NodeId, Op};
 use crate::unit::Unit;
-
-/// Place of the product among the outcomes of a multiplier.
-pub(super) const PRODUCT: usize = 0;
-/// Place of the sum.
-pub(super) const SUM: usize = 1;
-/// Places of the outcomes of a multiplier; after them come the operations that only a sum reads.
-pub(super) const PLACES: usize = 2;
 
 /// Levels of an accumulator besides its adder: the first product drops what was there, and a product may be subtracted.
 const LEVELS: u32 = 2;
@@ -51,7 +43,7 @@ impl Search<'_> {
             let is_own = self.readers.get(&operand) == Some(&1)
                 && self.shape.copies[operand as usize] == self.shape.copies[id as usize]
                 && !self.taken.contains(&operand);
-            if is_own && is_product(self.shape, operand) {
+            if is_own && self.shape.is_product(operand) {
                 sum.products.push((operand, is_negative));
                 return true;
             }

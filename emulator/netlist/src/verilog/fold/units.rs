@@ -12,13 +12,12 @@ use super::super::error::VerilogError;
 use super::super::excerpt::port;
 use super::super::module::Module;
 use super::super::share::{Group, Operand, Run as GroupRun};
-use super::compound::{Compound, Content, Use, compounds, joined};
+use super::compound::{Compound, Content, PRODUCT, SUM, Use, compounds, joined};
 use super::grow::grown;
-use super::shape::{Join, Shape};
-use super::sums::{PRODUCT, SUM, sums};
+use super::shape::{Join, Shape, signed_width};
+use super::sums::sums;
 use crate::graph::{Kind, Net, Node, NodeId, Op, Run, Tap};
 use crate::interval::{Range, Ranges};
-use crate::unit::Unit;
 
 /// Hardware of a kind of unit.
 #[derive(Clone, Debug)]
@@ -77,11 +76,6 @@ fn hull(a: Range, b: Range) -> Range {
     Range { low: a.low.min(b.low), high: a.high.max(b.high), zeros: a.zeros.min(b.zeros) }
 }
 
-/// Bits of a range in two's complement, with its constant low zeros.
-pub(super) fn signed_width(range: Range) -> u32 {
-    range.width() + u32::from(!range.signed())
-}
-
 /// Nodes of each candidate of a shared unit.
 fn candidates(shape: &Shape) -> Vec<Vec<NodeId>> {
     let net = &shape.net;
@@ -130,11 +124,6 @@ fn singles(shape: &Shape, taken: &BTreeSet<NodeId>) -> Vec<Vec<NodeId>> {
     found
 }
 
-/// True for a product of two wires.
-pub(super) fn is_product(shape: &Shape, id: NodeId) -> bool {
-    matches!(shape.net.node(id).op.unit(&shape.ranges, id), Unit::Multiplier(_))
-}
-
 /// Every kind of shared unit of a folded netlist; the first is the multiplier, of which there are `multipliers`. A sum has at most `longest` products.
 /// The context has depth, target and names.
 pub(super) fn kinds(
@@ -152,7 +141,7 @@ pub(super) fn kinds(
     all.extend(singles.into_iter().filter(|single| copies(&single.uses) > 1 || is_table(&single.uses)));
     let named: Vec<&str> = all.iter().map(|compound| base_name(net, compound)).collect();
     let taken: BTreeSet<NodeId> = all.iter().flat_map(|compound| &compound.uses).flat_map(Use::operations).collect();
-    let products: Vec<NodeId> = (0..net.nodes.len() as NodeId).filter(|&id| is_product(shape, id)).collect();
+    let products: Vec<NodeId> = (0..net.nodes.len() as NodeId).filter(|&id| shape.is_product(id)).collect();
     let slots: usize = products.iter().map(|&id| shape.copies[id as usize] as usize).sum();
     // The products of a sum fit into half an interval, so that there is room for them.
     let most = longest.min(slots.div_ceil(multipliers) / 2);
