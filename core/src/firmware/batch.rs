@@ -128,7 +128,7 @@ fn unused<F: Firmware, B: Bundle<Scalar>>() -> B::In<Word<F>> {
     B::limit(End::Low)
 }
 
-/// One function for each pass.
+/// Functions of the passes, one each.
 impl<F: Firmware> Row<F> {
     const PLAN: ReflectionPlan = F::EFFECTS.reflection();
 

@@ -49,6 +49,20 @@ fn chosen_outputs_are_the_only_ports_and_keep_their_bits() {
 }
 
 #[test]
+fn a_stepper_adds_its_outputs_after_all_of_its_step() {
+    let places = |paths: &[&str]| {
+        let options = with_outputs(paths, options("narrow", FULL, None));
+        let verilog = record::verilog(Design::EnvironmentProbe, &options).expect("the design is proven");
+        let outputs = verilog.stepper.expect("a step has a stepper").outputs;
+        let place = |name: &str| outputs.iter().find(|port| port.name == name).map(|port| port.place);
+        [place("lod"), place("last")]
+    };
+    let count = record::net(Design::EnvironmentProbe, &FULL, &options("narrow", FULL, None).precision).outputs.len();
+    assert_eq!(places(&["place.st"]), [Some(count), Some(count + 1)]);
+    assert_eq!(places(&[]), places(&["place.st"]));
+}
+
+#[test]
 fn what_only_other_outputs_need_goes() {
     let normal = with_outputs(&["surface.normal_mod"], options("narrow", FULL, None));
     let verilog = record::verilog(Design::Reflection, &normal).expect("the design is proven");

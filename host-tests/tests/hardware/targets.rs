@@ -61,13 +61,18 @@ fn path(place: usize) -> Vec<Step> {
     vec![Step::Field(&LIST), Step::Index(place)]
 }
 
-/// Simulates the operations that `stage` records on ports of these kinds and ranges, for a target. The evaluated netlist gives the expected outcomes.
+fn on(target: Target) -> Options {
+    Options { target, ..options("standard", FULL, None) }
+}
+
+/// Simulates the operations that `stage` records on ports of these kinds and ranges, and returns the text of the top. The evaluated netlist gives the
+/// expected outcomes.
 fn simulate(
-    target: Target,
+    options: &Options,
     ports: &[(Kind, (i64, i64))],
     inputs: &[Vec<i64>],
     stage: impl Fn(&[NodeId]) -> Vec<NodeId>,
-) {
+) -> String {
     let named = |nodes: &[NodeId]| {
         let wire =
             |(place, &node): (usize, &NodeId)| NamedWire { path: path(place), node, mantissa: false, fraction_bits: 0 };
@@ -87,10 +92,10 @@ fn simulate(
         net.evaluate(ports, &mut values);
         outcomes.push(net.outputs.iter().map(|output| values[output.node as usize]).collect());
     }
-    let options = Options { target, ..options("standard", FULL, None) };
-    let written = Written::from_verilog(Verilog::new(Design::MapScale, net, &options).expect("the design is proven"));
+    let written = Written::from_verilog(Verilog::new(Design::MapScale, net, options).expect("the design is proven"));
     let top = written.verilog.top.as_ref().expect("a top");
     written.icarus(&Bench::new(top, inputs, &outcomes).expect("the ports hold the vectors"));
+    written.verilog.files[&format!("{}.v", top.module)].clone()
 }
 
 #[test]
@@ -101,7 +106,7 @@ fn comparisons_with_every_constant_are_right_for_every_value() {
     let word = Kind::Wire(32);
     let inputs: Vec<Vec<i64>> = (-40..=40).map(|x| vec![x, x + 40]).collect();
     for target in [Target::Asic, Target::Ecp5] {
-        simulate(target, &[(word, (-40, 40)), (word, (0, 80))], &inputs, |ports| {
+        simulate(&on(target), &[(word, (-40, 40)), (word, (0, 80))], &inputs, |ports| {
             let below =
                 |port, constant| builder::node(Op::Lt(port, builder::node(Op::Lit(constant), word)), Kind::Flag);
             let signed = (-39..=40).map(|constant| below(ports[0], constant));
@@ -125,7 +130,7 @@ fn leading_zeros_of_words_are_counted_on_every_target() {
         })
         .collect();
     for target in [Target::Asic, Target::Ecp5] {
-        simulate(target, &ports, &inputs, |ports| {
+        simulate(&on(target), &ports, &inputs, |ports| {
             ports.iter().map(|&port| builder::node(Op::LeadingZeros(port), Kind::Wire(32))).collect()
         });
     }
@@ -171,4 +176,23 @@ fn an_entry_of_a_block_memory_goes_through_a_register_before_anybody_reads_it() 
         }
     }
     assert!(seen >= 5, "{seen} reads of block memories");
+}
+
+#[track_caller]
+fn doubled(wire: NodeId) -> NodeId {
+    builder::node(Op::Add(wire, wire), Kind::Wire(32))
+}
+
+#[test]
+fn an_operation_of_a_line_outside_the_project_is_written_in_a_folded_design() {
+    if !have("iverilog") {
+        return;
+    }
+    let inputs: Vec<Vec<i64>> = (-20..20).map(|x| vec![x]).collect();
+    let folded = Options { multipliers: Some(1), ..on(Target::Asic) };
+    // The iterator calls `doubled` itself, so the line is one of the standard library.
+    let text = simulate(&folded, &[(Kind::Wire(32), (-20, 20))], &inputs, |ports| {
+        ports.iter().copied().map(doubled).collect()
+    });
+    assert!(text.contains("; // cycle "), "{text}");
 }

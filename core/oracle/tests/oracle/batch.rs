@@ -35,7 +35,7 @@ impl<A: Accuracy, const EFFECT: usize> Firmware for Single<A, EFFECT> {
     };
 }
 
-/// Everything that a footprint says.
+/// Outcomes of a footprint: face, place on it, level of detail, status, probes.
 fn all_of<F: Firmware>(footprint: &FaceFootprint<F>) -> (u8, [i32; 2], i32, u32, Vec<CubeProbe>) {
     let st = footprint.st().map(I2F30::to_bits);
     (footprint.face(), st, footprint.lod().to_bits(), footprint.status(), footprint.probes().collect())

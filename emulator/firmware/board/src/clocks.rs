@@ -118,7 +118,7 @@ const COLUMNS: [(&str, &str, &str); 6] = [
     ("standard in a batch", IN_A_BATCH, "standard"),
 ];
 
-/// [`ALL_EFFECTS`] in batches.
+/// Plan of [`ALL_EFFECTS`] in batches.
 const IN_A_BATCH: &str = "batch+bump+curvature+footprint+anisotropic";
 
 /// Suffix of a column whose fragments are shaded in batches. Their bits are those of the column without it.

@@ -1,10 +1,10 @@
 //! The folded design: few units that many operations use in turn.
 //!
 //! A flat design begins a fragment each cycle and has a multiplier for every product. A folded one begins a fragment every `interval` cycles, on a
-//! given number of multipliers. Runs of a stage that are the same hardware exist once (`shape`). Expensive operations share units (`units`), which are
-//! joined (`compound`) and take in what stands next to them (`grow`). Products of a sum follow each other into an accumulator (`sums`). A modulo schedule gives each operation its cycle (`tasks`, `schedule`), an
-//! exchange of operations finds the units with the fewest choices (`binding`), and `text` writes the top with its `registers`. `machine` runs the
-//! schedule in integers, `slots` lists it.
+//! given number of multipliers. Runs of a stage that are the same hardware exist once (`shape`). Expensive operations share units (`units`), which
+//! are joined (`compound`) and take in what stands next to them (`grow`). Products of a sum follow each other into an accumulator (`sums`). A modulo
+//! schedule gives each operation its cycle (`tasks`, `schedule`), an exchange of operations finds the units with the fewest choices (`binding`), and
+//! `text` writes the top with its `registers`. `machine` runs the schedule in integers, `slots` lists it.
 
 mod binding;
 mod compound;

@@ -1,8 +1,8 @@
 //! Binding: which unit does an operation, and which operand of a product comes first.
 //!
-//! Units that are taken in one phase can change places, and the operands of a product, too. Products of a sum stay together: units change places in all
-//! phases from the first to the last of them. Each wire that a unit reads at an input costs as many
-//! choices as it has bits, however often it is read. The binding is improved until no exchange of two operations saves anything.
+//! Units that are taken in one phase can change places, and the operands of a product, too. Products of a sum stay together: units change places in
+//! all phases from the first to the last of them. Each wire that a unit reads at an input costs as many choices as it has bits, however often it is
+//! read. The binding is improved until no exchange of two operations saves anything.
 
 use std::collections::HashMap;
 

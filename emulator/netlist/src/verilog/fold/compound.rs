@@ -42,7 +42,7 @@ pub(super) struct Use {
     pub(super) nodes: Vec<Content>,
     /// Contents of the unit's inputs.
     pub(super) inputs: Vec<Content>,
-    /// For each product of a sum a flag, true if it is subtracted; its operands are inputs 2n and 2n + 1. Empty for any other use.
+    /// Flag of each product of a sum, true if it is subtracted; product n reads inputs 2n and 2n + 1. Empty for any other use.
     pub(super) signs: Vec<bool>,
 }
 

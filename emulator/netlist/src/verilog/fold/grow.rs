@@ -348,7 +348,7 @@ impl Compound {
 }
 
 /// Compounds with all that saves hardware in them.
-/// No unit takes an operation of a sum of products.
+/// Operations of sums of products join no unit.
 pub(super) fn grown(shape: &Shape, compounds: Vec<Compound>, of_sums: &BTreeSet<NodeId>) -> Vec<Compound> {
     let net = &shape.net;
     let mut owners = vec![None; net.nodes.len()];

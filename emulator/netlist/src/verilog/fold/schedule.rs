@@ -60,7 +60,7 @@ pub(super) fn stride(interval: u32, copies: u32) -> u32 {
 struct Phases {
     /// Number of units that have operands.
     taken: Vec<u32>,
-    /// For each unit: true from the first to the last product of a sum, between which no other sum can be.
+    /// Flags of each unit, true from the first to the last product of a sum, between which no other sum can be.
     adds: Vec<Vec<bool>>,
 }
 

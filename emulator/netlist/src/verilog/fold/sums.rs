@@ -18,7 +18,7 @@ const LEVELS: u32 = 2;
 struct Search<'a> {
     shape: &'a Shape,
     taken: &'a BTreeSet<NodeId>,
-    /// Operations that read each node; what leaves the netlist counts as two.
+    /// Number of operations that read each node; what leaves the netlist counts as two.
     readers: HashMap<NodeId, u32>,
 }
 
