@@ -2,7 +2,8 @@
 //! the horizon to the eye, for each channel.
 //!
 //! The heights are a photograph on a plane to the horizon, under a sky with a sun about 1000 times as bright. The sun gives about as much light as
-//! the rest of the sky, and no pixel of a frame is clipped.
+//! the rest of the sky, and no pixel of a frame is clipped. Panoramas and normal maps of others take the places of sky and heights in the
+//! [suite of the world](super::World).
 
 use std::path::Path;
 
@@ -17,7 +18,7 @@ use crate::photographs::photograph;
 pub const ROUGH_PHOTOGRAPHS: [&str; 3] = ["gravel.png", "grass.png", "brick.png"];
 
 /// Edge of the pieces of photographs, texels.
-const EDGE: u32 = 128;
+pub(super) const EDGE: u32 = 128;
 
 /// Bands of rows.
 const BANDS: usize = 4;
@@ -48,7 +49,7 @@ pub fn suns() -> [Sun; 12] {
 /// A filtered picture of reflections against 1024 samples a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectionFigures {
-    /// Brightness of each channel over that of the truth, by band, the farthest first.
+    /// Brightness of each channel over that of the truth, by band, the uppermost first, which is the farthest one of a plane.
     pub bands: [[f64; 3]; BANDS],
     /// PSNR, dB, at the exposure that gives the brightest channel of the truth the value 1.
     pub psnr: f64,
@@ -74,24 +75,128 @@ impl ReflectionFigures {
     }
 }
 
-/// The scene: a mirror with these heights, scaled to a slope. `keys` are further lines of its material.
-fn scene(path: &Path, rms_slope: f64, keys: &str, sun: Sun) -> Scene {
-    let Sun { elevation, azimuth } = sun;
-    let text = format!(
-        "[camera]\neye = [0, 2.2, 6]\ntarget = [0, 0, -2]\nfov_y = 40\nwidth = 96\nheight = 72\n\
-         [background]\ntop = [0, 0, 0]\nbottom = [0, 0, 0]\n\
-         [environment]\ngenerate = \"sky\"\nface_edge = 128\nsun = [60, 50, 36]\nradius_degrees = 2\n\
-         elevation_degrees = {elevation}\nazimuth_degrees = {azimuth}\n\
-         zenith = [0.02, 0.04, 0.09]\nhorizon = [0.1, 0.11, 0.12]\nground = [0.03, 0.025, 0.02]\n\
-         [[object]]\nshape = \"plane\"\nsize = [60, 60]\nsegments = [30, 30]\nuv_repeat = [20, 20]\n\
-         [object.material]\ncolour = [0, 0, 0]\nreflectance = 1\n{keys}\n\
-         height_map = {{ path = {:?}, rms_slope = {rms_slope} }}\n",
-        path.display().to_string()
-    );
-    Scene::from_toml("reflections", &text, Path::new("")).expect("the scene is valid")
+/// Bumps of a mirror.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bumps<'a> {
+    /// A picture as heights, scaled to a root mean square of slopes.
+    Heights(&'a Path, f64),
+    /// A normal map with its own slopes.
+    Normals(&'a Path),
 }
 
-/// Sums of each channel over each band of rows on the plane, the farthest first.
+/// What a mirror reflects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light<'a> {
+    /// A generated sky with a sun.
+    Sun(Sun),
+    /// A picture by longitude and latitude, exposed by so many stops.
+    Panorama(&'a Path, f64),
+}
+
+/// Shape of a mirror.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A plane to the horizon.
+    Plane,
+    /// A knot.
+    Mesh,
+}
+
+/// A mirror in front of black.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirror<'a> {
+    /// Its bumps.
+    pub bumps: Bumps<'a>,
+    /// What it reflects.
+    pub light: Light<'a>,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+impl Mirror<'_> {
+    /// The scene. `keys` are further lines of the material.
+    fn scene(&self, keys: &str) -> Scene {
+        let light = match self.light {
+            Light::Sun(Sun { elevation, azimuth }) => format!(
+                "generate = \"sky\"\nface_edge = 128\nsun = [60, 50, 36]\nradius_degrees = 2\n\
+                 elevation_degrees = {elevation}\nazimuth_degrees = {azimuth}\n\
+                 zenith = [0.02, 0.04, 0.09]\nhorizon = [0.1, 0.11, 0.12]\nground = [0.03, 0.025, 0.02]\n"
+            ),
+            Light::Panorama(path, exposure) => {
+                format!("equirectangular = {path:?}\nface_edge = 128\nexposure = {exposure:.3}\n")
+            }
+        };
+        let bumps = match self.bumps {
+            Bumps::Heights(path, rms_slope) => format!("height_map = {{ path = {path:?}, rms_slope = {rms_slope} }}\n"),
+            Bumps::Normals(path) => format!("normal_map = {{ path = {path:?} }}\n"),
+        };
+        let [camera, shape] = match self.shape {
+            Shape::Plane => [
+                "eye = [0, 2.2, 6]\ntarget = [0, 0, -2]\nfov_y = 40\n",
+                "shape = \"plane\"\nsize = [60, 60]\nsegments = [30, 30]\nuv_repeat = [20, 20]\n",
+            ],
+            Shape::Mesh => [
+                "eye = [0, 2.5, 6]\ntarget = [0, 0, 0]\nfov_y = 36\n",
+                "shape = \"mesh\"\ngenerate = \"knot\"\nuv_repeat = [20, 2]\n",
+            ],
+        };
+        let text = format!(
+            "[camera]\n{camera}width = 96\nheight = 72\n\
+             [background]\ntop = [0, 0, 0]\nbottom = [0, 0, 0]\n\
+             [environment]\n{light}\
+             [[object]]\n{shape}[object.material]\ncolour = [0, 0, 0]\nreflectance = 1\n{keys}\n{bumps}"
+        );
+        Scene::from_toml("reflections", &text, Path::new("")).expect("the scene is valid")
+    }
+
+    /// A frame of the scene.
+    fn draw(&self, keys: &str, mode: Mode) -> Frame {
+        let scene = self.scene(keys);
+        let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene is valid");
+        prepared.render(&|| ()).expect("the scene can be drawn")
+    }
+}
+
+/// Pictures of a mirror.
+#[derive(Clone, Debug)]
+pub struct Pictures<const N: usize> {
+    /// 1024 samples a pixel.
+    pub truth: Frame,
+    /// 16 samples a pixel.
+    pub sampled: Frame,
+    /// Filtered, for each of some lines of its material that do not change what samples show.
+    pub filtered: [Frame; N],
+}
+
+impl<const N: usize> Pictures<N> {
+    /// Draws a mirror.
+    ///
+    /// # Panics
+    /// If the keys are wrong, or a file is missing.
+    pub fn of(mirror: &Mirror, keys: [&str; N]) -> Self {
+        Self {
+            truth: mirror.draw("", Mode::Supersampled { edge: SAMPLES_EDGE }),
+            sampled: mirror.draw("", Mode::Supersampled { edge: 4 }),
+            filtered: keys.map(|keys| mirror.draw(keys, Mode::Footprint)),
+        }
+    }
+
+    /// Figures of the filtered pictures.
+    pub fn figures(&self) -> [ReflectionFigures; N] {
+        let of_truth = bands(&self.truth);
+        let psnr_of_16_samples = psnr(&self.sampled, &self.truth);
+        self.filtered.each_ref().map(|filtered| {
+            let of_filtered = bands(filtered);
+            ReflectionFigures {
+                bands: core::array::from_fn(|band| core::array::from_fn(|i| of_filtered[band][i] / of_truth[band][i])),
+                psnr: psnr(filtered, &self.truth),
+                psnr_of_16_samples,
+            }
+        })
+    }
+}
+
+/// Sums of each channel over each band of rows that show the mirror, the uppermost first.
 fn bands(frame: &Frame) -> [[f64; 3]; BANDS] {
     let rows: Vec<[f64; 3]> = frame
         .pixels
@@ -99,7 +204,7 @@ fn bands(frame: &Frame) -> [[f64; 3]; BANDS] {
         .map(|row| core::array::from_fn(|i| row.iter().map(|pixel| f64::from(pixel[i])).sum()))
         .collect();
     let first = rows.iter().position(|row| row[0] > 0.0).unwrap_or(rows.len());
-    // The uppermost row is half sky.
+    // The uppermost row of a plane is half sky.
     let shown = &rows[(first + 1).min(rows.len())..];
     core::array::from_fn(|band| {
         let rows = &shown[shown.len() * band / BANDS..shown.len() * (band + 1) / BANDS];
@@ -127,21 +232,7 @@ pub fn reflection_figures<const N: usize>(
     sun: Sun,
 ) -> Option<[ReflectionFigures; N]> {
     let piece = photograph(name, EDGE)?;
-    let draw = |keys: &str, mode| -> Frame {
-        let scene = scene(&piece.path(), rms_slope, keys, sun);
-        let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene is valid");
-        prepared.render(&|| ()).expect("the scene can be drawn")
-    };
-    let truth = draw("", Mode::Supersampled { edge: SAMPLES_EDGE });
-    let of_truth = bands(&truth);
-    let psnr_of_16_samples = psnr(&draw("", Mode::Supersampled { edge: 4 }), &truth);
-    Some(keys.map(|keys| {
-        let filtered = draw(keys, Mode::Footprint);
-        let of_filtered = bands(&filtered);
-        ReflectionFigures {
-            bands: core::array::from_fn(|band| core::array::from_fn(|i| of_filtered[band][i] / of_truth[band][i])),
-            psnr: psnr(&filtered, &truth),
-            psnr_of_16_samples,
-        }
-    }))
+    let mirror =
+        Mirror { bumps: Bumps::Heights(&piece.path(), rms_slope), light: Light::Sun(sun), shape: Shape::Plane };
+    Some(Pictures::of(&mirror, keys).figures())
 }

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use roughxel_core::precision::Precision;
-use roughxel_host_tests::bars::{ReflectionFigures, SUN, reflection_figures, suns};
+use roughxel_host_tests::bars::{Case, ReflectionFigures, SUN, Shape, World, reflection_figures, suns};
 use roughxel_host_tests::photographs::photograph;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_scene::Scene;
@@ -51,6 +51,34 @@ fn lobes_of_the_maps_own_law_bring_the_far_bands_nearer_to_the_truth() {
         println!("{name}, {slope}: mean {least:.3} to {most:.3}, rms {before:.3} to {rest:.3} octaves");
         assert!(least > 1.0 - bar && most < 1.0 + bar && rest < REST * before, "{name}, {slope}");
         assert!(brightest <= BRIGHTEST && law.psnr > one_lobe.psnr - 0.1, "{name}, {slope}: {brightest}");
+    }
+}
+
+/// Four mirrors of the suite of the world: range of brightness over the truth, and gain over one lobe, dB.
+#[test]
+fn bumps_of_others_under_panoramas_of_others_are_nearly_as_bright_as_their_facets() {
+    let world = match World::open() {
+        Ok(world) => world,
+        Err(error) => {
+            assert!(std::env::var_os("ROUGHXEL_REQUIRE_TOOLS").is_none(), "{error}");
+            eprintln!("SKIPPED: {error}");
+            return;
+        }
+    };
+    let bars = [
+        ("gravel.png", Some(0.1), Shape::Plane, "night", 0.04, 4.0),
+        ("brick.png", Some(0.25), Shape::Plane, "city", 0.05, 0.4),
+        ("grass.png", Some(0.25), Shape::Mesh, "forest", 0.05, 1.2),
+        ("0021", None, Shape::Plane, "park", 0.09, 2.2),
+    ];
+    for (bumps, slope, shape, sky, bar, gain) in bars {
+        let is_it = |case: &Case| (case.bumps, case.rms_slope, case.shape, case.sky) == (bumps, slope, shape, sky);
+        let case = World::cases().into_iter().find(is_it).expect("a case of the suite");
+        let [as_is, one_lobe, law] = world.outcome(case).figures;
+        let [least, most] = law.range();
+        println!("{bumps}, {sky}: {least:.3} to {most:.3}, {:.2} dB", law.psnr - one_lobe.psnr);
+        assert!(least > 1.0 - bar && most < 1.0 + bar, "{bumps}, {sky}: {least} to {most}");
+        assert!(law.psnr > one_lobe.psnr + gain && law.psnr > as_is.psnr, "{bumps}, {sky}");
     }
 }
 
