@@ -18,9 +18,9 @@ REGION_ALIAS(\"REGION_HEAP\", RAM);
 REGION_ALIAS(\"REGION_STACK\", RAM);
 ";
 
-/// Program that runs without a start-up library, on soft cores that lack the registers such a library writes.
-const BARE: &str = "clocks";
-/// Memory of that program: block RAM of a soft core, at the place of QEMU's.
+/// Programs that run without a start-up library, on soft cores that lack the registers such a library writes.
+const BARE: [&str; 2] = ["clocks", "latencies"];
+/// Memory of these programs: block RAM of a soft core, at the place of QEMU's.
 const BARE_LAYOUT: &str = "ENTRY(_bare)
 SECTIONS {
     . = 0x80000000;
@@ -57,7 +57,9 @@ fn main() {
             println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
         }
         fs::write(out.join("bare.x"), BARE_LAYOUT).expect("it can be written");
-        println!("cargo:rustc-link-arg-bin={BARE}=-Tbare.x");
+        for program in BARE {
+            println!("cargo:rustc-link-arg-bin={program}=-Tbare.x");
+        }
     } else {
         // Without the standard library nothing else names the C library.
         println!("cargo:rustc-link-arg=-lc");

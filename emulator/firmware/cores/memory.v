@@ -1,13 +1,18 @@
 // Block RAM with two ports, which answers one clock after a request, and the two devices that a program needs. +waits=N adds N clocks to each answer.
 //
-// A store to the finisher (0x00100000) marks the begin (1) or the end (2) of a fragment, or ends the simulation (0x5555).
+// A store to the finisher (0x00100000) marks the begin (1) or the end (2) of a fragment, prints the clocks since the last begin (3), or ends the
+// simulation (0x5555).
 // A store to the serial port (0x10000000) prints a character. Everything else is memory.
-module memory (
+module memory #(
+    // 1: a request in the clock of an answer is a new one. 0: it is the answered one.
+    parameter [0:0] OVERLAPS = 0
+) (
     input             clk,
     input             reset,
     // Words to read: instructions, if a core has a bus for them.
     input             fetch,
     input      [31:0] fetch_address,
+    output            fetch_granted,
     output reg        fetched,
     output reg [31:0] fetch_word,
     // Words to read and write. Each bit of `write` is a byte; none is a read.
@@ -15,6 +20,7 @@ module memory (
     input      [31:0] address,
     input      [31:0] data,
     input      [3:0]  write,
+    output            granted,
     output reg        answered,
     output reg [31:0] word
 );
@@ -33,13 +39,15 @@ module memory (
 
     // Clocks for which each port has waited.
     reg [7:0] fetch_waited = 0, waited = 0;
-    wire fetches = fetch && !fetched && !reset && fetch_waited == waits;
-    wire answers = request && !answered && !reset && waited == waits;
+    wire fetches = fetch && (OVERLAPS || !fetched) && !reset && fetch_waited == waits;
+    wire answers = request && (OVERLAPS || !answered) && !reset && waited == waits;
+    assign fetch_granted = fetches;
+    assign granted = answers;
 
     always @(posedge clk) begin
         clock <= clock + 1;
-        fetch_waited <= fetch && !fetched && !fetches && !reset ? fetch_waited + 1 : 0;
-        waited <= request && !answered && !answers && !reset ? waited + 1 : 0;
+        fetch_waited <= fetch && (OVERLAPS || !fetched) && !fetches && !reset ? fetch_waited + 1 : 0;
+        waited <= request && (OVERLAPS || !answered) && !answers && !reset ? waited + 1 : 0;
         fetched <= fetches;
         fetch_word <= words[fetch_address[17:2]];
         answered <= answers;
@@ -52,6 +60,7 @@ module memory (
                         clocks <= clocks + clock - begun;
                         fragments <= fragments + 1;
                     end
+                    3: $display("%0d", clock - begun);
                     default: begin
                         $display("clocks %0d", clocks / {32'd0, fragments});
                         $finish;

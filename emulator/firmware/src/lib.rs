@@ -4,6 +4,8 @@
 //! `s390x`). `board` builds and runs them.
 #![no_std]
 
+#[cfg(all(target_os = "none", target_arch = "riscv32"))]
+pub mod bare;
 pub mod conformance;
 #[cfg(not(target_os = "none"))]
 pub mod libc;

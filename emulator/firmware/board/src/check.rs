@@ -37,6 +37,7 @@ pub fn run(targets: &[Target]) -> Result<(), Failure> {
         wrong_entry(target, &program)?;
         if target == Target::Riscv32I {
             few_shifts(&program)?;
+            clocks::hold_predictions(target)?;
         }
     }
     smallest(&targets.iter().copied().filter(|target| target.is_small()).collect::<Vec<_>>())?;

@@ -2,111 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::PathBuf;
 
-use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
-use crate::image;
+use crate::cores::{self, CORES, Core};
+use crate::latencies::Latencies;
 use crate::measure::{self, ALL_EFFECTS};
 use crate::target::{self, Target};
-use crate::{Failure, price};
-
-/// Python packages of the cores' sources, with their versions.
-const PACKAGES: [(&str, &str); 3] =
-    [("picorv32", "1.0.post218"), ("vexriscv", "1.0.1.post407"), ("serv", "1.2.0.post146")];
-
-/// Soft core in one configuration.
-struct Core {
-    name: &'static str,
-    /// Processor for which its programs are built.
-    target: Target,
-    /// Package of its sources. `cores/PACKAGE.v` of the firmware connects it to the memory.
-    package: &'static str,
-    /// File or folder of its sources in the package.
-    sources: &'static str,
-    /// Parameters that differ from the core's own.
-    parameters: &'static [&'static str],
-    /// Wait states of the memory: clocks that an answer takes beyond one.
-    waits: u32,
-}
-
-const CORES: [Core; 10] = [
-    Core {
-        name: "VexRiscv, standard",
-        target: Target::Riscv32Im,
-        package: "vexriscv",
-        sources: "VexRiscv.v",
-        parameters: &[],
-        waits: 0,
-    },
-    Core {
-        name: "VexRiscv, standard, two wait states",
-        target: Target::Riscv32Im,
-        package: "vexriscv",
-        sources: "VexRiscv.v",
-        parameters: &[],
-        waits: 2,
-    },
-    Core {
-        name: "VexRiscv, Lite",
-        target: Target::Riscv32Im,
-        package: "vexriscv",
-        sources: "VexRiscv_Lite.v",
-        parameters: &[],
-        waits: 0,
-    },
-    Core {
-        name: "PicoRV32, fast multiplier, barrel shifter",
-        target: Target::Riscv32Im,
-        package: "picorv32",
-        sources: "picorv32.v",
-        parameters: &["ENABLE_FAST_MUL=1", "BARREL_SHIFTER=1"],
-        waits: 0,
-    },
-    Core {
-        name: "PicoRV32, bit-serial multiplier",
-        target: Target::Riscv32Im,
-        package: "picorv32",
-        sources: "picorv32.v",
-        parameters: &["ENABLE_MUL=1"],
-        waits: 0,
-    },
-    Core {
-        name: "VexRiscv, Min",
-        target: Target::Riscv32I,
-        package: "vexriscv",
-        sources: "VexRiscv_Min.v",
-        parameters: &[],
-        waits: 0,
-    },
-    Core {
-        name: "PicoRV32, barrel shifter",
-        target: Target::Riscv32I,
-        package: "picorv32",
-        sources: "picorv32.v",
-        parameters: &["BARREL_SHIFTER=1"],
-        waits: 0,
-    },
-    Core {
-        name: "PicoRV32",
-        target: Target::Riscv32I,
-        package: "picorv32",
-        sources: "picorv32.v",
-        parameters: &[],
-        waits: 0,
-    },
-    Core {
-        name: "PicoRV32, shifts of one place a clock",
-        target: Target::Riscv32I,
-        package: "picorv32",
-        sources: "picorv32.v",
-        parameters: &["TWO_STAGE_SHIFT=0"],
-        waits: 0,
-    },
-    Core { name: "SERV", target: Target::Riscv32I, package: "serv", sources: "rtl", parameters: &[], waits: 0 },
-];
+use crate::{Failure, image, predict, price};
 
 /// Columns of the table: plan and profile of a program. f32 has no profile.
 const COLUMNS: [(&str, &str, &str); 6] = [
@@ -124,200 +28,283 @@ const IN_A_BATCH: &str = "batch+bump+curvature+footprint+anisotropic";
 /// Suffix of a column whose fragments are shaded in batches. Their bits are those of the column without it.
 const BATCH: &str = " in a batch";
 
-/// Clocks after which a program is given up.
-const LIMIT: &str = "4000000000";
-
 /// Kept measures, from the project's root.
 const KEPT: &str = "emulator/firmware/clocks.json";
+
+/// How the kept measures are made.
+const REMEDY: &str = "`cargo firmware clocks` makes them";
+
+/// Processors for which the programs are built.
+const TARGETS: [Target; 2] = [Target::Riscv32Im, Target::Riscv32I];
 
 /// Heading of the part of PRICE.md that is made of the kept measures.
 const HEADING: &str = "\n## Soft cores\n";
 
-/// Folder for packages, models and programs.
-fn folder() -> PathBuf {
-    target::built().join("cores")
-}
-
-/// Runs a tool and returns its standard output.
-fn tool(command: &mut Command, remedy: &str) -> Result<String, Failure> {
-    let name = command.get_program().display().to_string();
-    let output = command.output().map_err(|error| Failure::trouble(format!("{name}: {error}; {remedy}")))?;
-    if !output.status.success() {
-        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-        return Err(Failure::trouble(format!("{name} fails:\n{text}")));
-    }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-}
-
-/// Installs the packages that are not there yet.
-fn install() -> Result<(), Failure> {
-    let python = folder().join("python");
-    let is_missing =
-        |(name, version): &&(&str, &str)| !python.join(format!("pythondata_cpu_{name}-{version}.dist-info")).exists();
-    let missing = PACKAGES.iter().filter(is_missing).map(|(name, version)| format!("pythondata-cpu-{name}=={version}"));
-    let missing: Vec<String> = missing.collect();
-    if missing.is_empty() {
-        return Ok(());
-    }
-    let mut pip = Command::new("python3");
-    pip.args(["-m", "pip", "install", "--quiet", "--upgrade", "--target"]).arg(&python).args(missing);
-    tool(&mut pip, "it is in the Debian package python3-pip").map(|_| ())
-}
-
-impl Core {
-    /// Builds the model of the core and returns its path.
-    fn model(&self) -> Result<PathBuf, Failure> {
-        let words: String = self.name.chars().filter(|c| c.is_ascii_alphanumeric()).collect();
-        let model = folder().join(words);
-        let ours = target::firmware().join("cores");
-        let package = folder().join("python").join(format!("pythondata_cpu_{}", self.package)).join("verilog");
-        let mut verilator = Command::new("verilator");
-        verilator
-            .args(["--cc", "--exe", "--build", "-j", "0", "-O3", "--noassert", "-Wno-fatal", "-Wno-lint", "-Wno-style"])
-            .args(["-CFLAGS", "-O2", "--top-module", "top", "--Mdir"])
-            .arg(&model)
-            .args(self.parameters.iter().map(|parameter| format!("-G{parameter}")))
-            .args(["main.cpp", "memory.v"].map(|file| ours.join(file)))
-            .arg(ours.join(self.package).with_extension("v"))
-            .args(verilog(&package.join(self.sources))?);
-        tool(&mut verilator, "it is in the Debian package verilator")?;
-        Ok(model.join("Vtop"))
-    }
-}
-
-/// A file, or the Verilog files of a folder.
-fn verilog(path: &Path) -> Result<Vec<PathBuf>, Failure> {
-    if path.is_file() {
-        return Ok(vec![path.to_path_buf()]);
-    }
-    let trouble = |error| Failure::trouble(format!("{}: {error}", path.display()));
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(path).map_err(trouble)? {
-        files.push(entry.map_err(trouble)?.path());
-    }
-    files.retain(|file| file.extension().is_some_and(|extension| extension == "v"));
-    files.sort();
-    Ok(files)
-}
-
-/// Program of a column on a processor, and its check value.
+/// Program of a column on a processor.
 struct Program {
-    /// Words of the memory, as `$readmemh` reads them.
+    /// Its memory.
+    memory: Vec<u8>,
+    /// File of the memory, as the simulations read it.
     image: PathBuf,
-    check: u64,
 }
 
-/// Builds the program of a column and runs it in QEMU.
-fn program(target: Target, (column, plan, profile): (&str, &str, &str)) -> Result<Program, Failure> {
-    let built = target.build("clocks", plan, profile)?;
-    let (code, output) = target.run(&built)?;
+/// Builds a program and writes its memory.
+fn build(target: Target, program: &str, (column, plan, profile): (&str, &str, &str)) -> Result<Program, Failure> {
+    let memory = image::memory(&target.build(program, plan, profile)?)?;
+    let image = cores::folder().join(format!("{}.{}.hex", column.replace(' ', "-"), target.name()));
+    std::fs::create_dir_all(cores::folder()).map_err(Failure::trouble)?;
+    std::fs::write(&image, image::words(&memory)).map_err(Failure::trouble)?;
+    Ok(Program { memory, image })
+}
+
+/// Check value of the last built program of a column in QEMU.
+fn check_in_qemu(target: Target) -> Result<u64, Failure> {
+    let (code, output) = target.run(&target.place("clocks"))?;
     let check = measure::numbers(&output).get("check").copied();
-    let Some(check) = check.filter(|_| code == 0) else {
-        return Err(Failure::trouble(format!("{column} on {}: exit code {code}\n{output}", target.name())));
-    };
-    let image = folder().join(format!("{}.{}.hex", column.replace(' ', "-"), target.name()));
-    std::fs::write(&image, image::words(&built)?).map_err(Failure::trouble)?;
-    Ok(Program { image, check })
+    check
+        .filter(|_| code == 0)
+        .ok_or_else(|| Failure::trouble(format!("a program on {}: exit code {code}\n{output}", target.name())))
 }
 
-/// Measures all cores, and writes measures and table.
-pub fn run() -> Result<(), Failure> {
-    std::fs::create_dir_all(folder()).map_err(Failure::trouble)?;
-    install()?;
-    let targets = [Target::Riscv32Im, Target::Riscv32I];
-    let progress = measure::progress(COLUMNS.len() * (targets.len() + CORES.len()))?;
-    let mut programs = BTreeMap::new();
-    for target in targets {
+/// Instructions of the last built program of a column by kind, and its check value, which must be QEMU's.
+fn counts(target: Target, program: &Program) -> Result<(predict::Counts, u64), Failure> {
+    let (counts, check) = predict::counts(&program.memory)?;
+    let in_qemu = check_in_qemu(target)?;
+    if check != Some(in_qemu) {
+        return Err(Failure::broken(format!(
+            "{}: the simulator of instructions has not the bits of QEMU",
+            target.name()
+        )));
+    }
+    Ok((counts, in_qemu))
+}
+
+/// Measures and predictions as they are kept.
+struct Kept(Value);
+
+impl Kept {
+    fn read() -> Result<Self, Failure> {
+        let wrong = |error: &dyn std::fmt::Display| Failure::trouble(format!("{KEPT}: {error}"));
+        let text = std::fs::read_to_string(target::root().join(KEPT)).map_err(|error| wrong(&error))?;
+        Ok(Self(serde_json::from_str(&text).map_err(|error| wrong(&error))?))
+    }
+
+    fn write(&self) -> Result<(), Failure> {
+        let text = serde_json::to_string_pretty(&self.0).map_err(Failure::trouble)? + "\n";
+        measure::write_whole(&target::root().join(KEPT), &text)?;
+        let table = price::table()?;
+        let before = table.split_once(HEADING).map_or(&*table, |(before, _)| before);
+        measure::write_whole(&price::kept(), &(before.to_string() + &self.part()?))
+    }
+
+    /// Returns true if a compiler built the programs.
+    fn has_compiler(&self, compiler: &str) -> bool {
+        self.0["tools"][0] == compiler
+    }
+
+    /// Number of a column of a core or processor: `clocks`, `predicted`, or a count.
+    fn number(&self, what: &str, row: &str, column: &str) -> Result<u64, Failure> {
+        let number = self.0[what][row][column].as_u64();
+        number.ok_or_else(|| Failure::trouble(format!("{KEPT}: no {what} of {column} on {row}; {REMEDY}")))
+    }
+
+    /// Latencies of a core.
+    fn latencies(&self, core: &Core) -> Result<Latencies, Failure> {
+        let row = Latencies::read(&self.0["latencies"][core.name]);
+        row.ok_or_else(|| Failure::trouble(format!("{KEPT}: no latencies of {}; {REMEDY}", core.name)))
+    }
+
+    /// Part of PRICE.md.
+    fn part(&self) -> Result<String, Failure> {
+        let tools = self.0["tools"].as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>();
+        let mut text = format!(
+            "{HEADING}\nMade by `cargo firmware clocks`: reflection, all effects, in clocks a fragment. The Verilog of each core runs with block \
+             RAM that answers after one clock, or later by its wait states. A figure is a mean over 16 of the 64 fragments, in a batch over all of \
+             them, and every result has the bits of QEMU. f32 is the baseline with libm. {}.\n\n| core | target | {} | narrow/standard | \
+             f32/standard | batch/standard | f32/batch |\n|---|---|{}---:|---:|---:|---:|\n",
+            tools.join(", "),
+            COLUMNS.map(|(column, ..)| column).join(" | "),
+            "---:|".repeat(COLUMNS.len()),
+        );
+        for core in &CORES {
+            let mut row = BTreeMap::new();
+            for (column, ..) in COLUMNS {
+                row.insert(column, self.number("clocks", core.name, column)?);
+            }
+            let ratio = |column: &str, to: &str| row[column] as f64 / row[to] as f64;
+            let cells = COLUMNS.map(|(column, ..)| row[column].to_string()).join(" | ");
+            let batch = "standard in a batch";
+            let ratios = [("narrow", "standard"), ("f32", "standard"), (batch, "standard"), ("f32", batch)];
+            let ratios = ratios.map(|(column, to)| format!("{:.2}", ratio(column, to))).join(" | ");
+            let _ = writeln!(text, "| {} | {} | {cells} | {ratios} |", core.name, core.target.name());
+        }
+        let _ = write!(
+            text,
+            "\nPredicted from counted instructions and measured latencies (`cargo firmware clocks --predict`), with the error against the clocks \
+             above:\n\n| core | {} |\n|---|{}\n",
+            COLUMNS.map(|(column, ..)| column).join(" | "),
+            "---:|".repeat(COLUMNS.len()),
+        );
+        for core in &CORES {
+            let mut cells = Vec::new();
+            for (column, ..) in COLUMNS {
+                let predicted = self.number("predicted", core.name, column)?;
+                cells.push(format!("{predicted} ({:+.1} %)", 100.0 * self.error(core, column)?));
+            }
+            let _ = writeln!(text, "| {} | {} |", core.name, cells.join(" | "));
+        }
+        let _ = write!(
+            text,
+            "\nInstructions a fragment by kind. Places are those of all shifts together. Lines are the distinct ones of the code that \
+             a fragment, or a batch of 64, touches.\n\n| program | {} |\n|---|{}\n",
+            predict::COUNTED.join(" | "),
+            "---:|".repeat(predict::COUNTED.len()),
+        );
+        for target in TARGETS {
+            for (column, ..) in COLUMNS {
+                let name = format!("{column}, {}", target.name());
+                let mut cells = Vec::new();
+                for what in predict::COUNTED {
+                    cells.push(self.number("counts", &name, what)?.to_string());
+                }
+                let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
+            }
+        }
+        Ok(text)
+    }
+
+    /// Relative error of a predicted number of clocks.
+    fn error(&self, core: &Core, column: &str) -> Result<f64, Failure> {
+        let number = |what| Ok::<f64, Failure>(self.number(what, core.name, column)? as f64);
+        Ok(number("predicted")? / number("clocks")? - 1.0)
+    }
+}
+
+/// Measures cores, or one of them, and predicts the clocks of all; or predicts alone. Writes measures and table.
+pub fn run(only: Option<&str>, predict: bool) -> Result<(), Failure> {
+    let measured: Vec<&Core> =
+        CORES.iter().filter(|core| !predict && only.is_none_or(|only| core.name == only)).collect();
+    if only.is_some_and(|only| CORES.iter().all(|core| core.name != only)) {
+        let names = CORES.map(|core| core.name).join("; ");
+        return Err(Failure::trouble(format!("no core has that name; cores are {names}")));
+    }
+    let mut kept = Kept::read()?;
+    let compiler = Target::Riscv32I.compiler();
+    if (predict || only.is_some()) && !kept.has_compiler(&compiler) {
+        return Err(Failure::trouble(format!("{KEPT} was made by another compiler than {compiler}; {REMEDY}")));
+    }
+    let progress = measure::progress(COLUMNS.len() * TARGETS.len() + (COLUMNS.len() + 1) * measured.len())?;
+    let (mut programs, mut checks) = (BTreeMap::new(), BTreeMap::new());
+    for target in TARGETS {
         for column in COLUMNS {
             progress.set_message(format!("{} {}", target.name(), column.0));
-            programs.insert((target.name(), column.0), program(target, column)?);
+            let program = build(target, "clocks", column)?;
+            let name = format!("{}, {}", column.0, target.name());
+            let (counts, check) = counts(target, &program)?;
+            kept.0["counts"][name] = json!(counts);
+            checks.insert((target.name(), column.0), check);
+            programs.insert((target.name(), column.0), program);
             progress.inc(1);
         }
-        for (column, one_at_a_time) in
-            COLUMNS.iter().filter_map(|&(column, ..)| Some((column, column.strip_suffix(BATCH)?)))
-        {
-            if programs[&(target.name(), column)].check != programs[&(target.name(), one_at_a_time)].check {
+        for (column, ..) in COLUMNS {
+            let one_at_a_time = column.strip_suffix(BATCH).unwrap_or(column);
+            if checks[&(target.name(), column)] != checks[&(target.name(), one_at_a_time)] {
                 return Err(Failure::broken(format!("{column} on {}: not the bits of {one_at_a_time}", target.name())));
             }
         }
     }
-    let mut cores = serde_json::Map::new();
-    for core in &CORES {
-        cores.insert(core.name.into(), clocks(core, &programs, &progress)?);
+    if !measured.is_empty() {
+        cores::install()?;
+        if only.is_none() {
+            kept.0 = json!({ "counts": kept.0["counts"] });
+        }
+        kept.0["tools"] = [compiler].into_iter().chain(cores::tools()?).collect();
+    }
+    for core in measured {
+        let model = core.model()?;
+        progress.set_message(format!("{} latencies", core.name));
+        let program = build(core.target, "latencies", ("latencies", "empty", "standard"))?;
+        let latencies = Latencies::measured(&core.run(&model, &program.image)?, core.cache)?;
+        kept.0["latencies"][core.name] = latencies.kept();
+        progress.inc(1);
+        for (column, ..) in COLUMNS {
+            progress.set_message(format!("{} {column}", core.name));
+            let place = (core.target.name(), column);
+            let numbers = core.run(&model, &programs[&place].image)?;
+            if numbers.get("check") != Some(&checks[&place]) {
+                return Err(Failure::broken(format!("{column} on {}: not the bits of QEMU", core.name)));
+            }
+            let (Some(clocks), Some(batch @ 1..)) = (numbers.get("clocks"), numbers.get("batch")) else {
+                return Err(Failure::trouble(format!("{}: no clocks", core.name)));
+            };
+            kept.0["clocks"][core.name][column] = json!(clocks / batch);
+            progress.inc(1);
+        }
+    }
+    for core in CORES.iter().filter(|core| only.is_none_or(|only| core.name == only)) {
+        for (column, ..) in COLUMNS {
+            let program = &programs[&(core.target.name(), column)].memory;
+            kept.0["predicted"][core.name][column] =
+                json!(predict::clocks(program, &kept.latencies(core)?, core.cache)?);
+        }
     }
     progress.finish_and_clear();
-    let verilator = tool(Command::new("verilator").arg("--version"), "it is in the Debian package verilator")?;
-    let versions = PACKAGES.map(|(name, version)| format!("pythondata-cpu-{name} {version}"));
-    let tools = [Target::Riscv32I.compiler(), verilator.trim().into()].into_iter().chain(versions);
-    let measures = json!({ "tools": tools.collect::<Vec<String>>(), "clocks": cores });
-    let text = serde_json::to_string_pretty(&measures).map_err(Failure::trouble)? + "\n";
-    measure::write_whole(&target::root().join(KEPT), &text)?;
-    let table = price::table()?;
-    let before = table.split_once(HEADING).map_or(&*table, |(before, _)| before);
-    measure::write_whole(&price::kept(), &(before.to_string() + &part()?))
-}
-
-/// Clocks of one core for each column.
-fn clocks(core: &Core, programs: &BTreeMap<(&str, &str), Program>, progress: &ProgressBar) -> Result<Value, Failure> {
-    let model = core.model()?;
-    let mut clocks = serde_json::Map::new();
-    for (column, ..) in COLUMNS {
-        progress.set_message(format!("{} {column}", core.name));
-        let Program { image, check } = &programs[&(core.target.name(), column)];
-        let mut model = Command::new(&model);
-        model.arg(format!("+image={}", image.display())).arg(format!("+waits={}", core.waits)).arg(LIMIT);
-        let output = tool(&mut model, "it was built")?;
-        let numbers = measure::numbers(&output);
-        if numbers.get("check") != Some(check) {
-            return Err(Failure::broken(format!("{column} on {}: not check value {check}\n{output}", core.name)));
-        }
-        let (Some(taken), Some(batch @ 1..)) = (numbers.get("clocks"), numbers.get("batch")) else {
-            return Err(Failure::trouble(format!("{}: no clocks", core.name)));
-        };
-        clocks.insert(column.into(), json!(taken / batch));
-        progress.inc(1);
-    }
-    Ok(Value::Object(clocks))
+    kept.write()
 }
 
 /// Part of PRICE.md that is made of the kept measures.
 pub fn part() -> Result<String, Failure> {
-    let wrong = |what: &str| Failure::trouble(format!("{KEPT}: {what}; `cargo firmware clocks` writes it"));
-    let text = std::fs::read_to_string(target::root().join(KEPT)).map_err(|error| wrong(&error.to_string()))?;
-    let measures: Value = serde_json::from_str(&text).map_err(|error| wrong(&error.to_string()))?;
-    let tools = measures["tools"].as_array().ok_or_else(|| wrong("no tools"))?;
-    let tools: Vec<&str> = tools.iter().filter_map(Value::as_str).collect();
-    let mut text = format!(
-        "{HEADING}\nMade by `cargo firmware clocks`: reflection, all effects, in clocks a fragment. The Verilog of each core runs with block RAM \
-         that answers after one clock, or later by its wait states. A figure is a mean over 16 of the 64 fragments, in a batch over all of them, and \
-         every result has the bits of QEMU. f32 is the baseline with libm. {}.\n\n| core | target | {} | narrow/standard | f32/standard | \
-         batch/standard | f32/batch |\n|---|---|{}---:|---:|---:|---:|\n",
-        tools.join(", "),
-        COLUMNS.map(|(column, ..)| column).join(" | "),
-        "---:|".repeat(COLUMNS.len()),
-    );
-    for core in &CORES {
-        let mut row = BTreeMap::new();
-        for (column, ..) in COLUMNS {
-            let clocks = measures["clocks"][core.name][column].as_u64();
-            row.insert(column, clocks.ok_or_else(|| wrong(&format!("no {column} of {}", core.name)))?);
-        }
-        let ratio = |column: &str, to: &str| row[column] as f64 / row[to] as f64;
-        let cells = COLUMNS.map(|(column, ..)| row[column].to_string()).join(" | ");
-        let batch = "standard in a batch";
-        let ratios = [("narrow", "standard"), ("f32", "standard"), (batch, "standard"), ("f32", batch)];
-        let ratios = ratios.map(|(column, to)| format!("{:.2}", ratio(column, to))).join(" | ");
-        let _ = writeln!(text, "| {} | {} | {cells} | {ratios} |", core.name, core.target.name());
-    }
-    Ok(text)
+    Kept::read()?.part()
 }
 
-/// Checks that the part of PRICE.md is that of the kept measures.
-pub fn hold() -> Result<(), Failure> {
-    if price::table()?.ends_with(&part()?) {
+/// Largest error of a prediction.
+const TOLERANCE: f64 = 0.1;
+
+/// Predicts clocks of a target's cores again, for one column, and compares them with the kept predictions, which must be right within a thirtieth.
+/// So a datapath whose clocks are old shows without a simulation of a core.
+pub fn hold_predictions(target: Target) -> Result<(), Failure> {
+    let (kept, name) = (Kept::read()?, target.name());
+    if !kept.has_compiler(&target.compiler()) {
+        println!("{name:12} {KEPT} was made by another compiler: not compared");
         return Ok(());
     }
-    Err(Failure::broken(format!(
-        "the soft cores of PRICE.md are not those of {KEPT}: `cargo firmware clocks` writes both"
-    )))
+    let column = COLUMNS[1];
+    let program = build(target, "clocks", column)?;
+    counts(target, &program)?;
+    let mut most = 0.0_f64;
+    for core in CORES.iter().filter(|core| core.target == target) {
+        let now = predict::clocks(&program.memory, &kept.latencies(core)?, core.cache)?;
+        let before = kept.number("predicted", core.name, column.0)?;
+        let moved = (now as f64 / before as f64 - 1.0).abs();
+        if moved > 1.0 / 30.0 {
+            return Err(Failure::broken(format!("{KEPT}: {} takes {now} clocks, not {before}; {REMEDY}", core.name)));
+        }
+        most = most.max(moved);
+    }
+    println!("{name:12} predicted clocks within {:.1} % of {KEPT}", 100.0 * most);
+    Ok(())
+}
+
+/// Checks that each kept prediction is near the measured clocks, and that the part of PRICE.md is made of both.
+pub fn hold() -> Result<(), Failure> {
+    let kept = Kept::read()?;
+    let mut most = 0.0_f64;
+    for core in &CORES {
+        for (column, ..) in COLUMNS {
+            let error = kept.error(core, column)?;
+            if error.abs() > TOLERANCE {
+                let core = core.name;
+                return Err(Failure::broken(format!(
+                    "{KEPT}: {column} on {core} is predicted {:+.1} % off",
+                    100.0 * error
+                )));
+            }
+            most = most.max(error.abs());
+        }
+    }
+    println!("{:12} predicted clocks of soft cores within {:.1} % of measured ones", "", 100.0 * most);
+    if price::table()?.ends_with(&kept.part()?) {
+        return Ok(());
+    }
+    Err(Failure::broken(format!("the soft cores of PRICE.md are not those of {KEPT}; {REMEDY}")))
 }

@@ -22,8 +22,8 @@ pub fn instructions(path: &Path, function: &str) -> Result<Vec<u32>, Failure> {
     Ok(code.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect())
 }
 
-/// Memory of a program from its first address on, a word a line in hexadecimal digits.
-pub fn words(path: &Path) -> Result<String, Failure> {
+/// Memory of a program from its first address on.
+pub fn memory(path: &Path) -> Result<Vec<u8>, Failure> {
     let trouble = |error: &dyn std::fmt::Display| Failure::trouble(format!("{}: {error}", path.display()));
     let file = std::fs::read(path).map_err(|error| trouble(&error))?;
     let elf = object::File::parse(&*file).map_err(|error| trouble(&error))?;
@@ -34,7 +34,12 @@ pub fn words(path: &Path) -> Result<String, Failure> {
         memory.resize(memory.len().max((place + data.len()).next_multiple_of(4)), 0);
         memory[place..place + data.len()].copy_from_slice(data);
     }
-    Ok(memory.as_chunks().0.iter().map(|bytes| format!("{:08x}\n", u32::from_le_bytes(*bytes))).collect())
+    Ok(memory)
+}
+
+/// Memory as the simulations read it: a word a line in hexadecimal digits.
+pub fn words(memory: &[u8]) -> String {
+    memory.as_chunks().0.iter().map(|bytes| format!("{:08x}\n", u32::from_le_bytes(*bytes))).collect()
 }
 
 /// Measures of a linked program.

@@ -2,10 +2,14 @@
 
 mod check;
 mod clocks;
+mod cores;
 mod frames;
+mod hart;
 mod image;
 mod knobs;
+mod latencies;
 mod measure;
+mod predict;
 mod price;
 mod target;
 mod vectors;
@@ -20,7 +24,7 @@ The datapath on small processors: the same bits, and their cost.
 
 cargo firmware check [TARGET…]
     Checks golden vectors and a tile of a picture, on every target or on the named ones. Both must also notice a table with one wrong
-    entry. On riscv32imac some prices of PRICE.md are checked, too.
+    entry. On riscv32imac some prices of PRICE.md are checked, too, and on riscv32i predicted clocks of soft cores.
 cargo firmware frames
     Draws golden frames of the emulator on s390x, whose words begin with their highest byte. Two minutes.
 cargo firmware vectors
@@ -31,16 +35,18 @@ cargo firmware price [--quick] [-o FILE]
 cargo firmware price --knobs [-o FILE]
     Writes instructions, bytes and stack of one plan at many settings of the accuracy knobs, and instructions of a probe at every width,
     on the three QEMU machines: emulator/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run resumes.
-cargo firmware clocks
-    Runs the Verilog of soft cores in Verilator and writes clocks of a fragment alone and in a batch: emulator/firmware/clocks.json, and
-    a part of PRICE.md. The cores are Python packages, which pip installs below emulator/firmware/target. A quarter of an hour on two cores.
+cargo firmware clocks [--core NAME] [--predict]
+    Runs the Verilog of soft cores in Verilator. It writes clocks of each kind of instruction, clocks of a fragment alone and in a batch,
+    and the clocks of a fragment that the kinds predict: emulator/firmware/clocks.json, and a part of PRICE.md. The cores are Python
+    packages, which pip installs below emulator/firmware/target. Half an hour on two cores.
+    --core: one core; the rows of the others stay. --predict: predictions from the kept clocks of instructions, without Verilator.
 
 Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).
 Rust's targets come from rustup. If it has none, they are built from the sources of the distribution's compiler (Debian: rustc-web
 rust-web-src). Emulators: Debian packages qemu-system-misc, qemu-system-arm, qemu-user; linkers gcc-aarch64-linux-gnu, gcc-s390x-linux-gnu.
 
 Exit codes: 0 success; 1 something is missing or cannot be built; 2 wrong arguments; 3 bits differ, a program holds a table that it should
-not hold, or its instructions differ from PRICE.md.";
+not hold, its instructions differ from PRICE.md, or predicted clocks are more than 10 % off.";
 
 /// Failure, with its exit code.
 #[derive(Debug)]
@@ -68,7 +74,17 @@ fn run() -> Result<(), Failure> {
             let named = named?;
             check::run(if named.is_empty() { &Target::ALL } else { &named })
         }
-        Some("clocks") => clocks::run(),
+        Some("clocks") => {
+            let (mut core, mut predict) = (None, false);
+            while let Some(flag) = arguments.next() {
+                match flag.as_str() {
+                    "--predict" => predict = true,
+                    "--core" => core = Some(arguments.next().ok_or_else(|| usage("--core needs a name".into()))?),
+                    other => return Err(usage(format!("clocks has no flag {other}"))),
+                }
+            }
+            clocks::run(core.as_deref(), predict)
+        }
         Some("frames") => frames::run(Target::S390X),
         Some("vectors") => vectors::run(Target::S390X),
         Some("price") => {

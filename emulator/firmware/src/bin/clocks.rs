@@ -1,14 +1,12 @@
-//! One plan at one accuracy on a bare RISC-V core, for a simulation that counts clocks: no start-up library, no control registers, no traps.
+//! One plan at one accuracy on a bare RISC-V core, for a simulation that counts clocks.
 //!
-//! The devices are two of QEMU's `virt` machine: the transmitter of a serial port, and the finisher. A simulation notes the clock at
-//! [`Mark::Begin`] and [`Mark::End`]; QEMU ignores both. So one program has one output on both, and equal check values mean equal bits.
+//! The program has one output in a simulation and in QEMU, and equal check values mean equal bits.
 #![no_std]
 #![no_main]
 #![allow(unused_imports, dead_code, reason = "a plan names what it needs")]
 
-use core::fmt::{self, Write as _};
+use core::fmt::Write as _;
 use core::hint::black_box;
-use core::ptr::write_volatile;
 
 use roughxel_core::firmware::*;
 use roughxel_core::knob::Knob;
@@ -19,12 +17,13 @@ use roughxel_core::width;
 use roughxel_f32_baseline::FloatFootprint;
 use roughxel_f32_baseline::formulas::Careful;
 use roughxel_f32_baseline::math::Libm;
+use roughxel_firmware::bare::{Mark, Serial, bare_entry};
 use roughxel_firmware::samples::REFLECTIONS;
 use roughxel_firmware::tile::SKY_EDGE;
 
 include!(concat!(env!("OUT_DIR"), "/plan.rs"));
 
-core::arch::global_asm!(".section .start, \"ax\"", ".globl _bare", "_bare:", "la sp, _stack_top", "j {main}", main = sym main);
+bare_entry!(run);
 
 /// Samples to a fragment that enters the check value. The others are shaded in batches alone: a bit-serial core takes a second of simulation for each.
 const STRIDE: usize = 4;
@@ -34,35 +33,6 @@ struct Sample {
     reflection: ReflectionIn,
     batch: &'static [ReflectionIn],
     float: roughxel_f32_baseline::Fragment,
-}
-
-/// Store to the finisher.
-#[derive(Clone, Copy, Debug)]
-enum Mark {
-    Begin = 1,
-    End = 2,
-    Finish = 0x5555,
-}
-
-impl Mark {
-    #[inline(always)]
-    fn set(self) {
-        // SAFETY: the address is a device of the machine, which only takes stores.
-        unsafe { write_volatile(0x10_0000 as *mut u32, self as u32) }
-    }
-}
-
-/// Serial port.
-struct Serial;
-
-impl fmt::Write for Serial {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        for byte in text.bytes() {
-            // SAFETY: the address is a device of the machine, which only takes stores.
-            unsafe { write_volatile(0x1000_0000 as *mut u8, byte) }
-        }
-        Ok(())
-    }
 }
 
 /// Result whose bits enter a check value.
@@ -114,7 +84,7 @@ fn measured(sample: &Sample, prepared: &mut Prepared, check: u32) -> u32 {
     result.check(check)
 }
 
-extern "C" fn main() -> ! {
+fn run() {
     let prepared = &mut prepare!();
     let mut check = 0;
     for batch in REFLECTIONS.windows(BATCH).step_by(BATCH.max(STRIDE)) {
@@ -122,8 +92,4 @@ extern "C" fn main() -> ! {
         check = measured(&sample, prepared, check);
     }
     let _ = writeln!(Serial, "check {check}\nbatch {BATCH}");
-    Mark::Finish.set();
-    loop {
-        core::hint::spin_loop();
-    }
 }

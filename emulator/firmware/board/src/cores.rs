@@ -1,0 +1,239 @@
+//! Soft cores whose Verilog runs in Verilator.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::Failure;
+use crate::measure::{self, Numbers};
+use crate::target::{self, Target};
+
+/// Python packages of the cores' sources, with their versions.
+const PACKAGES: [(&str, &str); 4] =
+    [("picorv32", "1.0.post218"), ("vexriscv", "1.0.1.post407"), ("serv", "1.2.0.post146"), ("ibex", "0.0.post2937")];
+
+/// Sources of Ibex: packages in their order, and folders.
+const IBEX: &[&str] = &[
+    "system_verilog/vendor/lowrisc_ip/ip/prim/rtl/prim_ram_1p_pkg.sv",
+    "system_verilog/vendor/lowrisc_ip/ip/prim/rtl/prim_secded_pkg.sv",
+    "system_verilog/vendor/lowrisc_ip/ip/prim/rtl/prim_mubi_pkg.sv",
+    "system_verilog/vendor/lowrisc_ip/ip/prim/rtl/prim_util_pkg.sv",
+    "system_verilog/vendor/lowrisc_ip/ip/prim/rtl/prim_cipher_pkg.sv",
+    "system_verilog/vendor/lowrisc_ip/ip/prim/rtl/prim_count_pkg.sv",
+    "system_verilog/rtl/ibex_pkg.sv",
+    "system_verilog/rtl",
+    "system_verilog/vendor/lowrisc_ip/ip/prim/rtl",
+    "system_verilog/vendor/lowrisc_ip/ip/prim_generic/rtl",
+    "system_verilog/vendor/lowrisc_ip/dv/sv/dv_utils",
+];
+
+/// Instruction cache. Each of its places holds one line.
+#[derive(Clone, Copy, Debug)]
+pub struct Cache {
+    /// All bytes.
+    pub bytes: u32,
+    /// Bytes of a line.
+    pub line: u32,
+}
+
+/// Soft core in one configuration.
+pub struct Core {
+    /// Name in the tables.
+    pub name: &'static str,
+    /// Processor for which its programs are built.
+    pub target: Target,
+    /// Package of its sources. `cores/PACKAGE.v` of the firmware connects it to the memory.
+    package: &'static str,
+    /// Files of its sources in the package, and folders that are searched for modules.
+    sources: &'static [&'static str],
+    /// Parameters that differ from the core's own.
+    parameters: &'static [&'static str],
+    /// Wait states of the memory: clocks that an answer takes beyond one.
+    waits: u32,
+    /// Its instruction cache, as its documents state it.
+    pub cache: Option<Cache>,
+}
+
+/// All cores, in the order of the tables.
+pub const CORES: [Core; 12] = [
+    Core {
+        name: "Ibex, single-cycle multiplier",
+        target: Target::Riscv32Im,
+        package: "ibex",
+        sources: IBEX,
+        parameters: &["RV32M=3", "BRANCH_TARGET_ALU=1", "WRITEBACK_STAGE=1"],
+        waits: 0,
+        cache: None,
+    },
+    Core {
+        name: "Ibex, small",
+        target: Target::Riscv32Im,
+        package: "ibex",
+        sources: IBEX,
+        parameters: &[],
+        waits: 0,
+        cache: None,
+    },
+    Core {
+        name: "VexRiscv, standard",
+        target: Target::Riscv32Im,
+        package: "vexriscv",
+        sources: &["verilog/VexRiscv.v"],
+        parameters: &[],
+        waits: 0,
+        cache: Some(Cache { bytes: 4096, line: 32 }),
+    },
+    Core {
+        name: "VexRiscv, standard, two wait states",
+        target: Target::Riscv32Im,
+        package: "vexriscv",
+        sources: &["verilog/VexRiscv.v"],
+        parameters: &[],
+        waits: 2,
+        cache: Some(Cache { bytes: 4096, line: 32 }),
+    },
+    Core {
+        name: "VexRiscv, Lite",
+        target: Target::Riscv32Im,
+        package: "vexriscv",
+        sources: &["verilog/VexRiscv_Lite.v"],
+        parameters: &[],
+        waits: 0,
+        cache: Some(Cache { bytes: 2048, line: 32 }),
+    },
+    Core {
+        name: "PicoRV32, fast multiplier, barrel shifter",
+        target: Target::Riscv32Im,
+        package: "picorv32",
+        sources: &["verilog/picorv32.v"],
+        parameters: &["ENABLE_FAST_MUL=1", "BARREL_SHIFTER=1"],
+        waits: 0,
+        cache: None,
+    },
+    Core {
+        name: "PicoRV32, bit-serial multiplier",
+        target: Target::Riscv32Im,
+        package: "picorv32",
+        sources: &["verilog/picorv32.v"],
+        parameters: &["ENABLE_MUL=1"],
+        waits: 0,
+        cache: None,
+    },
+    Core {
+        name: "VexRiscv, Min",
+        target: Target::Riscv32I,
+        package: "vexriscv",
+        sources: &["verilog/VexRiscv_Min.v"],
+        parameters: &[],
+        waits: 0,
+        cache: None,
+    },
+    Core {
+        name: "PicoRV32, barrel shifter",
+        target: Target::Riscv32I,
+        package: "picorv32",
+        sources: &["verilog/picorv32.v"],
+        parameters: &["BARREL_SHIFTER=1"],
+        waits: 0,
+        cache: None,
+    },
+    Core {
+        name: "PicoRV32",
+        target: Target::Riscv32I,
+        package: "picorv32",
+        sources: &["verilog/picorv32.v"],
+        parameters: &[],
+        waits: 0,
+        cache: None,
+    },
+    Core {
+        name: "PicoRV32, shifts of one place a clock",
+        target: Target::Riscv32I,
+        package: "picorv32",
+        sources: &["verilog/picorv32.v"],
+        parameters: &["TWO_STAGE_SHIFT=0"],
+        waits: 0,
+        cache: None,
+    },
+    Core {
+        name: "SERV",
+        target: Target::Riscv32I,
+        package: "serv",
+        sources: &["verilog/rtl"],
+        parameters: &[],
+        waits: 0,
+        cache: None,
+    },
+];
+
+/// Clocks after which a program is given up.
+const LIMIT: &str = "4000000000";
+
+/// Versions of the tools that measure.
+pub fn tools() -> Result<Vec<String>, Failure> {
+    let verilator = tool(Command::new("verilator").arg("--version"), "it is in the Debian package verilator")?;
+    let packages = PACKAGES.map(|(name, version)| format!("pythondata-cpu-{name} {version}"));
+    Ok([verilator.trim().into()].into_iter().chain(packages).collect())
+}
+
+/// Folder for packages, models and programs.
+pub fn folder() -> PathBuf {
+    target::built().join("cores")
+}
+
+/// Runs a tool and returns its standard output.
+pub fn tool(command: &mut Command, remedy: &str) -> Result<String, Failure> {
+    let name = command.get_program().display().to_string();
+    let output = command.output().map_err(|error| Failure::trouble(format!("{name}: {error}; {remedy}")))?;
+    if !output.status.success() {
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        return Err(Failure::trouble(format!("{name} fails:\n{text}")));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Installs the packages that are not there yet.
+pub fn install() -> Result<(), Failure> {
+    let python = folder().join("python");
+    let is_missing =
+        |(name, version): &&(&str, &str)| !python.join(format!("pythondata_cpu_{name}-{version}.dist-info")).exists();
+    let missing = PACKAGES.iter().filter(is_missing).map(|(name, version)| format!("pythondata-cpu-{name}=={version}"));
+    let missing: Vec<String> = missing.collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let mut pip = Command::new("python3");
+    pip.args(["-m", "pip", "install", "--quiet", "--upgrade", "--target"]).arg(&python).args(missing);
+    tool(&mut pip, "it is in the Debian package python3-pip").map(|_| ())
+}
+
+impl Core {
+    /// Builds the model of the core and returns its path.
+    pub fn model(&self) -> Result<PathBuf, Failure> {
+        let words: String = self.name.chars().filter(|c| c.is_ascii_alphanumeric()).collect();
+        let model = folder().join(words);
+        let ours = target::firmware().join("cores");
+        let package = folder().join("python").join(format!("pythondata_cpu_{}", self.package));
+        let sources = self.sources.iter().map(|source| package.join(source));
+        let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = sources.partition(|source| source.is_dir());
+        let mut verilator = Command::new("verilator");
+        verilator
+            .args(["--cc", "--exe", "--build", "-j", "0", "-O3", "--noassert", "-Wno-fatal", "-Wno-lint", "-Wno-style"])
+            .args(["-CFLAGS", "-O2", "--top-module", "top", "--Mdir"])
+            .arg(&model)
+            .args(self.parameters.iter().map(|parameter| format!("-G{parameter}")))
+            .arg("+libext+.v+.sv")
+            .args(folders.iter().flat_map(|folder| [Path::new("-y"), folder]))
+            .args(files)
+            .args(["main.cpp", "memory.v"].map(|file| ours.join(file)))
+            .arg(ours.join(self.package).with_extension("v"));
+        tool(&mut verilator, "it is in the Debian package verilator")?;
+        Ok(model.join("Vtop"))
+    }
+
+    /// Runs a program on a model of the core and returns the numbers that it prints.
+    pub fn run(&self, model: &Path, image: &Path) -> Result<Numbers, Failure> {
+        let mut model = Command::new(model);
+        model.arg(format!("+image={}", image.display())).arg(format!("+waits={}", self.waits)).arg(LIMIT);
+        Ok(measure::numbers(&tool(&mut model, "it was built")?))
+    }
+}
