@@ -15,7 +15,9 @@ pub use environment::{CubeEdgeStep, cube_edge_step};
 pub use golden::{GOLDEN_FRAMES, golden_frames};
 pub use ground::{GroundFigures, ground_plane};
 pub use real_scenes::{BEHIND_16_SAMPLES, RealScene, real_scenes};
-pub use reflections::{Pictures, ROUGH_PHOTOGRAPHS, ReflectionFigures, SUN, Shape, Sun, reflection_figures, suns};
+pub use reflections::{
+    LAW, ONE_LOBE, Pictures, ROUGH_PHOTOGRAPHS, ReflectionFigures, SUN, Shape, Sun, reflection_figures, suns,
+};
 pub use world::{Case, KEYS, Outcome, World};
 
 use roughxel_core::precision::{Precision, Profile};

@@ -12,13 +12,13 @@ pub const FINISHER: u32 = 0x10_0000;
 /// Store to the finisher.
 #[derive(Clone, Copy, Debug)]
 pub enum Mark {
-    /// The measured part begins.
+    /// Start of the measured part.
     Begin = 1,
-    /// It ends, and its clocks enter a mean.
+    /// End of the measured part, whose clocks enter a mean.
     End = 2,
-    /// It ends, and its clocks are printed.
+    /// End of the measured part, whose clocks are printed.
     Print = 3,
-    /// The program ends.
+    /// End of the program.
     Finish = 0x5555,
 }
 

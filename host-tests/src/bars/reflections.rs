@@ -17,6 +17,12 @@ use crate::photographs::photograph;
 /// Photographs whose slopes are far from the normal law.
 pub const ROUGH_PHOTOGRAPHS: [&str; 3] = ["gravel.png", "grass.png", "brick.png"];
 
+/// Lines of a material with two lobes of the law of its map.
+pub const LAW: &str = "bump_deviation = \"law\"";
+
+/// Lines of a material with one lobe of the same variance (S97).
+pub const ONE_LOBE: &str = "bump_deviation = \"root-mean-square\"\ntwo_lobes = false";
+
 /// Edge of the pieces of photographs, texels.
 pub(super) const EDGE: u32 = 128;
 
@@ -84,7 +90,7 @@ pub enum Bumps<'a> {
     Normals(&'a Path),
 }
 
-/// What a mirror reflects.
+/// Light that a mirror reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light<'a> {
     /// A generated sky with a sun.
@@ -105,11 +111,11 @@ pub enum Shape {
 /// A mirror in front of black.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mirror<'a> {
-    /// Its bumps.
+    /// Bumps of the mirror.
     pub bumps: Bumps<'a>,
-    /// What it reflects.
+    /// Light that it reflects.
     pub light: Light<'a>,
-    /// Its shape.
+    /// Shape of the mirror.
     pub shape: Shape,
 }
 
@@ -160,11 +166,11 @@ impl Mirror<'_> {
 /// Pictures of a mirror.
 #[derive(Clone, Debug)]
 pub struct Pictures<const N: usize> {
-    /// 1024 samples a pixel.
+    /// Picture of 1024 samples a pixel.
     pub truth: Frame,
-    /// 16 samples a pixel.
+    /// Picture of 16 samples a pixel.
     pub sampled: Frame,
-    /// Filtered, for each of some lines of its material that do not change what samples show.
+    /// Filtered pictures, one for each of some lines of its material that do not change what samples show.
     pub filtered: [Frame; N],
 }
 

@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use roughxel_assets::picture::{self, Purpose, Wishes};
 
-use super::reflections::{Bumps, EDGE, Light, Mirror, Pictures, ROUGH_PHOTOGRAPHS, ReflectionFigures, Shape};
+use super::reflections::{
+    Bumps, EDGE, LAW, Light, Mirror, ONE_LOBE, Pictures, ROUGH_PHOTOGRAPHS, ReflectionFigures, Shape,
+};
 use crate::photographs::{Photograph, photograph};
 
 /// Panoramas.
@@ -21,8 +23,7 @@ const SLOPES: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 const BRIGHTEST: f64 = 32.0;
 
 /// Lines of a material for each picture: by themselves, S97's one lobe, lobes of the law of the map.
-pub const KEYS: [&str; 3] =
-    ["", "bump_deviation = \"root-mean-square\"\ntwo_lobes = false", "bump_deviation = \"law\""];
+pub const KEYS: [&str; 3] = ["", ONE_LOBE, LAW];
 
 /// Files of the suite.
 #[derive(Debug)]
@@ -38,7 +39,7 @@ pub struct Case {
     pub bumps: &'static str,
     /// Slope to which heights are scaled; a normal map has its own.
     pub rms_slope: Option<f64>,
-    /// Its shape.
+    /// Shape of the mirror.
     pub shape: Shape,
     /// Name of the panorama.
     pub sky: &'static str,
@@ -77,7 +78,7 @@ impl World {
         Ok(Self { folder, heights: [a, b, c] })
     }
 
-    /// Every case: bumps of each slope with three panoramas, two on a plane and one on a mesh.
+    /// Cases of the suite: bumps of each slope with three panoramas, two on a plane and one on a mesh.
     pub fn cases() -> Vec<Case> {
         let heights = ROUGH_PHOTOGRAPHS.into_iter().flat_map(|name| SLOPES.map(|slope| (name, Some(slope))));
         let bumps = heights.chain(NORMALS.map(|name| (name, None)));

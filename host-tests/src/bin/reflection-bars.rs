@@ -4,8 +4,8 @@
 //! the truth's, and the PSNR. `--keys KEYS` adds lines to the material, for example `--keys 'two_lobes = true'`. `--suns` prints the means over
 //! twelve directions of the sun, which takes twelve times as long.
 //!
-//! `--world` draws the suite of the world and fills [`docs/reflections.md`](../../../docs/reflections.md) with its table and picture. It takes some
-//! ten minutes and the files that `bash host-tests/programs/world.sh` fetches.
+//! `--world` draws the suite of the world and fills [`docs/reflections.md`](../../../docs/reflections.md) with its table and picture. It takes one
+//! or two minutes and the files that `bash host-tests/programs/world.sh` fetches.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -138,7 +138,7 @@ const INTRODUCTION: &str = "# Reflections of panoramas and bumps of others
 Made by `cargo run --release --bin reflection-bars -- --world`, after `bash host-tests/programs/world.sh` has fetched the files.
 Panoramas and normal maps are those of the npm package @pmndrs/assets 1.7.0 (CC0), heights are photographs of the Python package scikit-image.
 
-Each mirror of 96×72 pixels is compared with 1024 samples a pixel. The panorama is exposed so that no pixel is clipped.
+Each mirror of 96×72 pixels is compared with 1024 samples a pixel. The panorama is exposed so that no sample is clipped.
 Brightness is that of a band of rows and a channel, over the truth; a range is that of all four bands and three channels.
 A decibel is that of the exposure that gives the brightest channel of the truth the value 1.
 
@@ -151,7 +151,7 @@ A decibel is that of the exposure that gives the brightest channel of the truth 
 *From left to right: 1024 samples a pixel, as is, one lobe, law, 16 samples.*
 ";
 
-/// Three cases, a row each: truth, filtered, 16 samples, at the exposure at which the brightest channel of one pixel in a hundred is white.
+/// Picture of three cases, a row each: truth, filtered, 16 samples, at the exposure at which the brightest channel of one pixel in a hundred is white.
 fn picture(outcomes: &[Outcome]) -> Picture {
     let shown = SHOWN.iter().filter_map(|&(bumps, slope, shape)| {
         outcomes.iter().find(|Outcome { case, .. }| (case.bumps, case.rms_slope, case.shape) == (bumps, slope, shape))

@@ -5,15 +5,10 @@
 use std::path::Path;
 
 use roughxel_core::precision::Precision;
-use roughxel_host_tests::bars::{Case, ReflectionFigures, SUN, Shape, World, reflection_figures, suns};
+use roughxel_host_tests::bars::{Case, LAW, ONE_LOBE, ReflectionFigures, SUN, Shape, World, reflection_figures, suns};
 use roughxel_host_tests::photographs::photograph;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_scene::Scene;
-
-/// Lines of a material with two lobes of the law of its map.
-const LAW: &str = "bump_deviation = \"law\"";
-/// Lines of a material with one lobe of the same variance.
-const ONE_LOBE: &str = "bump_deviation = \"root-mean-square\"\ntwo_lobes = false";
 
 /// Largest ratio of the brightest far band and channel to its truth under [`SUN`]; with one lobe it is up to 1.32.
 const BRIGHTEST: f64 = 1.22;
@@ -54,7 +49,7 @@ fn lobes_of_the_maps_own_law_bring_the_far_bands_nearer_to_the_truth() {
     }
 }
 
-/// Four mirrors of the suite of the world: range of brightness over the truth, and gain over one lobe, dB.
+/// Checks four mirrors of the suite of the world: range of brightness over the truth, and gain over one lobe, dB.
 #[test]
 fn bumps_of_others_under_panoramas_of_others_are_nearly_as_bright_as_their_facets() {
     let world = match World::open() {

@@ -31,7 +31,7 @@ const BATCH: &str = " in a batch";
 /// Kept measures, from the project's root.
 const KEPT: &str = "emulator/firmware/clocks.json";
 
-/// How the kept measures are made.
+/// Command that makes the kept measures.
 const REMEDY: &str = "`cargo firmware clocks` makes them";
 
 /// Processors for which the programs are built.
@@ -42,7 +42,7 @@ const HEADING: &str = "\n## Soft cores\n";
 
 /// Program of a column on a processor.
 struct Program {
-    /// Its memory.
+    /// Memory of the program.
     memory: Vec<u8>,
     /// File of the memory, as the simulations read it.
     image: PathBuf,

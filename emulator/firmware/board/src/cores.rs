@@ -29,7 +29,7 @@ const IBEX: &[&str] = &[
 /// Instruction cache. Each of its places holds one line.
 #[derive(Clone, Copy, Debug)]
 pub struct Cache {
-    /// All bytes.
+    /// Bytes of all lines.
     pub bytes: u32,
     /// Bytes of a line.
     pub line: u32,
@@ -49,11 +49,11 @@ pub struct Core {
     parameters: &'static [&'static str],
     /// Wait states of the memory: clocks that an answer takes beyond one.
     waits: u32,
-    /// Its instruction cache, as its documents state it.
+    /// Instruction cache, as the documents of the core state it.
     pub cache: Option<Cache>,
 }
 
-/// All cores, in the order of the tables.
+/// Cores in the order of the tables.
 pub const CORES: [Core; 12] = [
     Core {
         name: "Ibex, single-cycle multiplier",

@@ -48,9 +48,9 @@ pub enum Kind {
 /// Instruction that has run.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// Its address.
+    /// Address of the instruction.
     pub address: u32,
-    /// Its kind.
+    /// Kind of the instruction.
     pub kind: Kind,
     /// Registers that it reads; 0 for none.
     pub reads: [usize; 2],
