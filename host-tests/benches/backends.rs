@@ -27,9 +27,7 @@ use roughxel_core::ports::{Port, ReflectionIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
 use roughxel_core::scalar::Scalar;
 use roughxel_core::scalar_api::{environment_scale, reflection};
-use roughxel_f32_baseline::batch::{FootprintBlock, FragmentBlock, reflect_batch};
-use roughxel_f32_baseline::formulas::Careful;
-use roughxel_f32_baseline::math::Std;
+use roughxel_f32_baseline::batch::{FootprintBlock, FragmentBlock, reflect_batch, reflect_each};
 use roughxel_f32_baseline::{Environment, FloatFootprint, Fragment};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
@@ -269,9 +267,7 @@ fn contenders<'a>(set: &'a Set, model: Option<&'a Model>) -> Vec<Contender<'a>> 
     let blocks = FragmentBlock::blocks(&fragments);
     let mut footprints = vec![FloatFootprint::default(); fragments.len()];
     let plain = move || {
-        for (fragment, footprint) in fragments.iter().zip(&mut footprints) {
-            *footprint = environment.reflect::<Std, Careful>(fragment);
-        }
+        reflect_each(&environment, &fragments, &mut footprints);
         black_box(&mut footprints);
     };
     let mut footprint_blocks = vec![FootprintBlock::default(); blocks.len()];

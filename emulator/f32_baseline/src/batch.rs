@@ -21,6 +21,14 @@ pub fn reflect_batch(environment: &Environment, blocks: &[FragmentBlock], footpr
     );
 }
 
+/// Reflects every fragment into its footprint, one call a fragment. If one of them is longer, its end is left alone. The function is not generic, so
+/// callers measure the code of this package, whatever their own optimisation is.
+pub fn reflect_each(environment: &Environment, fragments: &[Fragment], footprints: &mut [FloatFootprint]) {
+    for (fragment, footprint) in fragments.iter().zip(footprints) {
+        *footprint = environment.reflect::<Std, Careful>(fragment);
+    }
+}
+
 #[inline(always)]
 fn reflect_blocks(environment: &Environment, blocks: &[FragmentBlock], footprints: &mut [FootprintBlock]) {
     for (block, footprints) in blocks.iter().zip(footprints) {

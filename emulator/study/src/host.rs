@@ -12,9 +12,7 @@ use roughxel_core::plan::ReflectionPlan;
 use roughxel_core::ports::{Port, ReflectionIn, ReflectionInput};
 use roughxel_core::precision::Precision;
 use roughxel_core::scalar_api::environment_scale;
-use roughxel_f32_baseline::batch::{FootprintBlock, FragmentBlock, reflect_batch};
-use roughxel_f32_baseline::formulas::Careful;
-use roughxel_f32_baseline::math::Std;
+use roughxel_f32_baseline::batch::{FootprintBlock, FragmentBlock, reflect_batch, reflect_each};
 use roughxel_f32_baseline::{Environment, FloatFootprint, Fragment};
 use roughxel_frame::Prepared;
 use roughxel_frame::plan::Mode;
@@ -214,9 +212,7 @@ impl TimedFragments {
         let fragments: Vec<_> = self.ports.iter().map(Fragment::from).collect();
         let mut footprints = vec![FloatFootprint::default(); fragments.len()];
         Box::new(move || {
-            for (fragment, footprint) in fragments.iter().zip(&mut footprints) {
-                *footprint = environment.reflect::<Std, Careful>(fragment);
-            }
+            reflect_each(&environment, &fragments, &mut footprints);
             black_box(&mut footprints);
         })
     }
