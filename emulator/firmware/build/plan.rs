@@ -9,7 +9,7 @@ use roughxel_core::knob::Knob;
 use roughxel_core::precision::{Precision, Profile};
 
 /// Work of a plan, by the first part of its name: the type of the value that it prepares once, the preparation, and the work on a sample.
-const WORK: [(&str, [&str; 3]); 9] = [
+const WORK: [(&str, [&str; 3]); 11] = [
     ("empty", ["()", "()", "(sample, prepared)"]),
     ("reflection", ["Environment<Plan>", "Plan::environment(SKY_EDGE)", "Plan::reflect(&sample.reflection, prepared)"]),
     (
@@ -37,6 +37,23 @@ const WORK: [(&str, [&str; 3]); 9] = [
             "roughxel_f32_baseline::Environment",
             "roughxel_f32_baseline::Environment::new(SKY_EDGE.into())",
             "prepared.reflect::<Libm, Careful>(&sample.float)",
+        ],
+    ),
+    (
+        "micromath",
+        [
+            "roughxel_f32_baseline::Environment",
+            "roughxel_f32_baseline::Environment::new(SKY_EDGE.into())",
+            "prepared.reflect::<Micromath, Careful>(&sample.float)",
+        ],
+    ),
+    // Fetches alone: the footprints of all samples are prepared.
+    (
+        "probe",
+        [
+            "[FaceFootprint<Plan>; SAMPLES]",
+            "REFLECTIONS.map(|fragment| Plan::reflect(&fragment, &Plan::environment(SKY_EDGE)))",
+            "Coloured::new(&prepared[sample.place])",
         ],
     ),
     ("texture", ["Texture<Plan>", "Plan::texture([256; 2])", "Plan::texture_footprint(&sample.texture, prepared)"]),

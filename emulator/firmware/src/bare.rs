@@ -14,7 +14,7 @@ pub const FINISHER: u32 = 0x10_0000;
 pub enum Mark {
     /// Start of the measured part.
     Begin = 1,
-    /// End of the measured part, whose clocks enter a mean.
+    /// End of the measured part, whose clocks enter a sum.
     End = 2,
     /// End of the measured part, whose clocks are printed.
     Print = 3,

@@ -8,22 +8,20 @@ use serde_json::{Value, json};
 
 use crate::cores::{self, CORES, Core};
 use crate::latencies::Latencies;
-use crate::measure::{self, ALL_EFFECTS};
+use crate::measure::{self, ALL_EFFECTS, IN_A_BATCH, Numbers, PROBE};
 use crate::target::{self, Target};
 use crate::{Failure, image, predict, price};
 
 /// Columns of the table: plan and profile of a program. f32 has no profile.
-const COLUMNS: [(&str, &str, &str); 6] = [
+const COLUMNS: [(&str, &str, &str); 7] = [
     ("narrow", ALL_EFFECTS, "narrow"),
     ("standard", ALL_EFFECTS, "standard"),
     ("precise", ALL_EFFECTS, "precise"),
     ("f32", "float", "standard"),
     ("narrow in a batch", IN_A_BATCH, "narrow"),
     ("standard in a batch", IN_A_BATCH, "standard"),
+    ("a probe in standard", PROBE, "standard"),
 ];
-
-/// Plan of [`ALL_EFFECTS`] in batches.
-const IN_A_BATCH: &str = "batch+bump+curvature+footprint+anisotropic";
 
 /// Suffix of a column whose fragments are shaded in batches. Their bits are those of the column without it.
 const BATCH: &str = " in a batch";
@@ -35,7 +33,7 @@ const KEPT: &str = "emulator/firmware/clocks.json";
 const REMEDY: &str = "`cargo firmware clocks` makes them";
 
 /// Processors for which the programs are built.
-const TARGETS: [Target; 2] = [Target::Riscv32Im, Target::Riscv32I];
+pub const TARGETS: [Target; 2] = [Target::Riscv32Im, Target::Riscv32I];
 
 /// Heading of the part of PRICE.md that is made of the kept measures.
 const HEADING: &str = "\n## Soft cores\n";
@@ -66,17 +64,25 @@ fn check_in_qemu(target: Target) -> Result<u64, Failure> {
         .ok_or_else(|| Failure::trouble(format!("a program on {}: exit code {code}\n{output}", target.name())))
 }
 
-/// Instructions of the last built program of a column by kind, and its check value, which must be QEMU's.
-fn counts(target: Target, program: &Program) -> Result<(predict::Counts, u64), Failure> {
-    let (counts, check) = predict::counts(&program.memory)?;
+/// Returns QEMU's check value of the last built program of a column, which must be that of the simulator of instructions.
+fn same_check(target: Target, check: Option<u64>) -> Result<u64, Failure> {
     let in_qemu = check_in_qemu(target)?;
-    if check != Some(in_qemu) {
-        return Err(Failure::broken(format!(
-            "{}: the simulator of instructions has not the bits of QEMU",
-            target.name()
-        )));
+    if check == Some(in_qemu) {
+        return Ok(in_qemu);
     }
-    Ok((counts, in_qemu))
+    Err(Failure::broken(format!("{}: the simulator of instructions has not the bits of QEMU", target.name())))
+}
+
+/// Predicted clocks of the last built program of a target by the names of cores, and `check`, which must be QEMU's.
+pub fn predicted(target: Target, cores: &[predict::Known]) -> Result<Numbers, Failure> {
+    let (mut clocks, check) = predict::clocks(&image::memory(&target.place("clocks"))?, cores)?;
+    clocks.insert("check".into(), same_check(target, check)?);
+    Ok(clocks)
+}
+
+/// Cores of a target with their kept latencies.
+pub fn known(target: Target) -> Result<Vec<predict::Known>, Failure> {
+    Kept::read()?.known(|core| core.target == target)
 }
 
 /// Measures and predictions as they are kept.
@@ -108,21 +114,27 @@ impl Kept {
         number.ok_or_else(|| Failure::trouble(format!("{KEPT}: no {what} of {column} on {row}; {REMEDY}")))
     }
 
-    /// Latencies of a core.
-    fn latencies(&self, core: &Core) -> Result<Latencies, Failure> {
-        let row = Latencies::read(&self.0["latencies"][core.name]);
-        row.ok_or_else(|| Failure::trouble(format!("{KEPT}: no latencies of {}; {REMEDY}", core.name)))
+    /// Some cores with their latencies.
+    fn known(&self, is_wanted: impl Fn(&Core) -> bool) -> Result<Vec<predict::Known>, Failure> {
+        let known = |core: &'static Core| {
+            let row = Latencies::read(&self.0["latencies"][core.name]);
+            let row = row.ok_or_else(|| Failure::trouble(format!("{KEPT}: no latencies of {}; {REMEDY}", core.name)));
+            Ok((core, row?))
+        };
+        CORES.iter().filter(|core| is_wanted(core)).map(known).collect()
     }
 
     /// Part of PRICE.md.
     fn part(&self) -> Result<String, Failure> {
         let tools = self.0["tools"].as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>();
         let mut text = format!(
-            "{HEADING}\nMade by `cargo firmware clocks`: reflection, all effects, in clocks a fragment. The Verilog of each core runs with block \
-             RAM that answers after one clock, or later by its wait states. A figure is a mean over 16 of the 64 fragments, in a batch over all of \
-             them, and every result has the bits of QEMU. f32 is the baseline with libm. {}.\n\n| core | target | {} | narrow/standard | \
-             f32/standard | batch/standard | f32/batch |\n|---|---|{}---:|---:|---:|---:|\n",
+            "{HEADING}\nMade by `cargo firmware clocks`: reflection, all effects, in clocks a fragment, and a probe with its eight texels. The \
+             Verilog of each core runs with block RAM that answers after one clock, or later by its wait states. A figure is a mean over 16 of the \
+             64 fragments or their probes, in a batch over all 64, and every result has the bits of QEMU. f32 is the baseline with libm. {}.\n\n\
+             | core | is | target |\n|---|---|---|\n{}\n| core | {} | narrow/standard | f32/standard | batch/standard | f32/batch |\n\
+             |---|{}---:|---:|---:|---:|\n",
             tools.join(", "),
+            CORES.map(|core| format!("| {} | {} | {} |\n", core.name, core.about, core.target.name())).concat(),
             COLUMNS.map(|(column, ..)| column).join(" | "),
             "---:|".repeat(COLUMNS.len()),
         );
@@ -136,7 +148,7 @@ impl Kept {
             let batch = "standard in a batch";
             let ratios = [("narrow", "standard"), ("f32", "standard"), (batch, "standard"), ("f32", batch)];
             let ratios = ratios.map(|(column, to)| format!("{:.2}", ratio(column, to))).join(" | ");
-            let _ = writeln!(text, "| {} | {} | {cells} | {ratios} |", core.name, core.target.name());
+            let _ = writeln!(text, "| {} | {cells} | {ratios} |", core.name);
         }
         let _ = write!(
             text,
@@ -155,8 +167,8 @@ impl Kept {
         }
         let _ = write!(
             text,
-            "\nInstructions a fragment by kind. Places are those of all shifts together. Lines are the distinct ones of the code that \
-             a fragment, or a batch of 64, touches.\n\n| program | {} |\n|---|{}\n",
+            "\nInstructions a fragment, or a probe, by kind. Places are those of all shifts together. Lines are the distinct ones of the code \
+             that a fragment, a batch of 64, or the probes of a fragment touch.\n\n| program | {} |\n|---|{}\n",
             predict::COUNTED.join(" | "),
             "---:|".repeat(predict::COUNTED.len()),
         );
@@ -185,8 +197,8 @@ pub fn run(only: Option<&str>, predict: bool) -> Result<(), Failure> {
     let measured: Vec<&Core> =
         CORES.iter().filter(|core| !predict && only.is_none_or(|only| core.name == only)).collect();
     if only.is_some_and(|only| CORES.iter().all(|core| core.name != only)) {
-        let names = CORES.map(|core| core.name).join("; ");
-        return Err(Failure::trouble(format!("no core has that name; cores are {names}")));
+        let names = CORES.map(|core| core.name).join(", ");
+        return Err(Failure::trouble(format!("no core is named so; cores are {names}")));
     }
     let mut kept = Kept::read()?;
     let compiler = Target::Riscv32I.compiler();
@@ -200,9 +212,9 @@ pub fn run(only: Option<&str>, predict: bool) -> Result<(), Failure> {
             progress.set_message(format!("{} {}", target.name(), column.0));
             let program = build(target, "clocks", column)?;
             let name = format!("{}, {}", column.0, target.name());
-            let (counts, check) = counts(target, &program)?;
+            let (counts, check) = predict::counts(&program.memory)?;
             kept.0["counts"][name] = json!(counts);
-            checks.insert((target.name(), column.0), check);
+            checks.insert((target.name(), column.0), same_check(target, check)?);
             programs.insert((target.name(), column.0), program);
             progress.inc(1);
         }
@@ -234,18 +246,16 @@ pub fn run(only: Option<&str>, predict: bool) -> Result<(), Failure> {
             if numbers.get("check") != Some(&checks[&place]) {
                 return Err(Failure::broken(format!("{column} on {}: not the bits of QEMU", core.name)));
             }
-            let (Some(clocks), Some(batch @ 1..)) = (numbers.get("clocks"), numbers.get("batch")) else {
-                return Err(Failure::trouble(format!("{}: no clocks", core.name)));
-            };
-            kept.0["clocks"][core.name][column] = json!(clocks / batch);
+            let clocks = numbers.get("clocks").ok_or_else(|| Failure::trouble(format!("{}: no clocks", core.name)))?;
+            kept.0["clocks"][core.name][column] = json!(predict::mean(*clocks as f64, &numbers)?);
             progress.inc(1);
         }
     }
-    for core in CORES.iter().filter(|core| only.is_none_or(|only| core.name == only)) {
-        for (column, ..) in COLUMNS {
-            let program = &programs[&(core.target.name(), column)].memory;
-            kept.0["predicted"][core.name][column] =
-                json!(predict::clocks(program, &kept.latencies(core)?, core.cache)?);
+    for ((target, column), program) in &programs {
+        let cores = kept.known(|core| core.target.name() == *target && only.is_none_or(|only| core.name == only))?;
+        let (clocks, _) = predict::clocks(&program.memory, &cores)?;
+        for (core, clocks) in clocks {
+            kept.0["predicted"][core][*column] = json!(clocks);
         }
     }
     progress.finish_and_clear();
@@ -268,13 +278,13 @@ pub fn hold_predictions(target: Target) -> Result<(), Failure> {
         println!("{name:12} {KEPT} was made by another compiler: not compared");
         return Ok(());
     }
-    let column = COLUMNS[1];
-    let program = build(target, "clocks", column)?;
-    counts(target, &program)?;
+    let (column, plan, profile) = COLUMNS[1];
+    target.build("clocks", plan, profile)?;
+    let cores = kept.known(|core| core.target == target)?;
+    let clocks = predicted(target, &cores)?;
     let mut most = 0.0_f64;
-    for core in CORES.iter().filter(|core| core.target == target) {
-        let now = predict::clocks(&program.memory, &kept.latencies(core)?, core.cache)?;
-        let before = kept.number("predicted", core.name, column.0)?;
+    for (core, _) in cores {
+        let (now, before) = (clocks[core.name], kept.number("predicted", core.name, column)?);
         let moved = (now as f64 / before as f64 - 1.0).abs();
         if moved > 1.0 / 30.0 {
             return Err(Failure::broken(format!("{KEPT}: {} takes {now} clocks, not {before}; {REMEDY}", core.name)));

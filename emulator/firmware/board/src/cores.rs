@@ -37,8 +37,10 @@ pub struct Cache {
 
 /// Soft core in one configuration.
 pub struct Core {
-    /// Name in the tables.
+    /// Name in the tables and on the command line.
     pub name: &'static str,
+    /// Configuration in words.
+    pub about: &'static str,
     /// Processor for which its programs are built.
     pub target: Target,
     /// Package of its sources. `cores/PACKAGE.v` of the firmware connects it to the memory.
@@ -56,7 +58,8 @@ pub struct Core {
 /// Cores in the order of the tables.
 pub const CORES: [Core; 12] = [
     Core {
-        name: "Ibex, single-cycle multiplier",
+        name: "ibex-single-cycle",
+        about: "Ibex with a single-cycle multiplier, a writeback stage and an adder for branches",
         target: Target::Riscv32Im,
         package: "ibex",
         sources: IBEX,
@@ -65,7 +68,8 @@ pub const CORES: [Core; 12] = [
         cache: None,
     },
     Core {
-        name: "Ibex, small",
+        name: "ibex-small",
+        about: "Ibex with its own parameters: a multiplier of several clocks",
         target: Target::Riscv32Im,
         package: "ibex",
         sources: IBEX,
@@ -74,7 +78,8 @@ pub const CORES: [Core; 12] = [
         cache: None,
     },
     Core {
-        name: "VexRiscv, standard",
+        name: "vexriscv-standard",
+        about: "VexRiscv as LiteX has it by default: multiplier, 4 KiB of instruction cache",
         target: Target::Riscv32Im,
         package: "vexriscv",
         sources: &["verilog/VexRiscv.v"],
@@ -83,7 +88,8 @@ pub const CORES: [Core; 12] = [
         cache: Some(Cache { bytes: 4096, line: 32 }),
     },
     Core {
-        name: "VexRiscv, standard, two wait states",
+        name: "vexriscv-two-waits",
+        about: "vexriscv-standard on a memory with two wait states",
         target: Target::Riscv32Im,
         package: "vexriscv",
         sources: &["verilog/VexRiscv.v"],
@@ -92,7 +98,8 @@ pub const CORES: [Core; 12] = [
         cache: Some(Cache { bytes: 4096, line: 32 }),
     },
     Core {
-        name: "VexRiscv, Lite",
+        name: "vexriscv-lite",
+        about: "VexRiscv Lite of LiteX: multiplier, 2 KiB of instruction cache",
         target: Target::Riscv32Im,
         package: "vexriscv",
         sources: &["verilog/VexRiscv_Lite.v"],
@@ -101,7 +108,8 @@ pub const CORES: [Core; 12] = [
         cache: Some(Cache { bytes: 2048, line: 32 }),
     },
     Core {
-        name: "PicoRV32, fast multiplier, barrel shifter",
+        name: "picorv32-fast",
+        about: "PicoRV32 with its fast multiplier and a barrel shifter",
         target: Target::Riscv32Im,
         package: "picorv32",
         sources: &["verilog/picorv32.v"],
@@ -110,7 +118,8 @@ pub const CORES: [Core; 12] = [
         cache: None,
     },
     Core {
-        name: "PicoRV32, bit-serial multiplier",
+        name: "picorv32-multiplier",
+        about: "PicoRV32 with its bit-serial multiplier",
         target: Target::Riscv32Im,
         package: "picorv32",
         sources: &["verilog/picorv32.v"],
@@ -119,7 +128,8 @@ pub const CORES: [Core; 12] = [
         cache: None,
     },
     Core {
-        name: "VexRiscv, Min",
+        name: "vexriscv-min",
+        about: "VexRiscv Min of LiteX: no multiplier, no cache",
         target: Target::Riscv32I,
         package: "vexriscv",
         sources: &["verilog/VexRiscv_Min.v"],
@@ -128,7 +138,8 @@ pub const CORES: [Core; 12] = [
         cache: None,
     },
     Core {
-        name: "PicoRV32, barrel shifter",
+        name: "picorv32-barrel",
+        about: "PicoRV32 with a barrel shifter, no multiplier",
         target: Target::Riscv32I,
         package: "picorv32",
         sources: &["verilog/picorv32.v"],
@@ -137,7 +148,8 @@ pub const CORES: [Core; 12] = [
         cache: None,
     },
     Core {
-        name: "PicoRV32",
+        name: "picorv32",
+        about: "PicoRV32 with its own parameters: no multiplier, shifts of four places a clock",
         target: Target::Riscv32I,
         package: "picorv32",
         sources: &["verilog/picorv32.v"],
@@ -146,7 +158,8 @@ pub const CORES: [Core; 12] = [
         cache: None,
     },
     Core {
-        name: "PicoRV32, shifts of one place a clock",
+        name: "picorv32-slow-shifts",
+        about: "PicoRV32 with shifts of one place a clock, no multiplier",
         target: Target::Riscv32I,
         package: "picorv32",
         sources: &["verilog/picorv32.v"],
@@ -155,7 +168,8 @@ pub const CORES: [Core; 12] = [
         cache: None,
     },
     Core {
-        name: "SERV",
+        name: "serv",
+        about: "SERV, which computes one bit a clock: no multiplier",
         target: Target::Riscv32I,
         package: "serv",
         sources: &["verilog/rtl"],

@@ -45,6 +45,29 @@ pub enum Kind {
     JumpRegister,
 }
 
+impl Kind {
+    /// Number of kinds.
+    pub const COUNT: usize = 77;
+
+    /// Place of the kind among all.
+    pub fn place(self) -> usize {
+        match self {
+            Self::Left(places) => places,
+            Self::Right(places) => 32 + places,
+            Self::Plain => 64,
+            Self::Comparison => 65,
+            Self::Product => 66,
+            Self::HighProduct => 67,
+            Self::Quotient => 68,
+            Self::Load => 69,
+            Self::Store => 70,
+            Self::Jump => 71,
+            Self::JumpRegister => 72,
+            Self::Branch { is_taken, is_backward } => 73 + 2 * usize::from(is_taken) + usize::from(is_backward),
+        }
+    }
+}
+
 /// Instruction that has run.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {

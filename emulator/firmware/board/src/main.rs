@@ -34,11 +34,12 @@ cargo firmware price [--quick] [-o FILE]
     numbers. --quick: two profiles on one target, to standard output.
 cargo firmware price --knobs [-o FILE]
     Writes instructions, bytes and stack of one plan at many settings of the accuracy knobs, and instructions of a probe at every width,
-    on the three QEMU machines: emulator/firmware/knobs.json. About 350 programs, a quarter of an hour; an interrupted run resumes.
+    on the three QEMU machines. It also predicts clocks of a fragment, alone and in a batch, and of a probe on all soft cores, from the
+    latencies of `cargo firmware clocks`: emulator/firmware/knobs.json. About 300 programs, twenty minutes on two cores; an interrupted run resumes.
 cargo firmware clocks [--core NAME] [--predict]
-    Runs the Verilog of soft cores in Verilator. It writes clocks of each kind of instruction, clocks of a fragment alone and in a batch,
-    and the clocks of a fragment that the kinds predict: emulator/firmware/clocks.json, and a part of PRICE.md. The cores are Python
-    packages, which pip installs below emulator/firmware/target. Half an hour on two cores.
+    Runs the Verilog of soft cores in Verilator. It writes clocks of each kind of instruction, clocks of a fragment alone and in a batch
+    and of a probe, and the clocks that the kinds predict: emulator/firmware/clocks.json, and a part of PRICE.md. The cores are Python
+    packages, which pip installs below emulator/firmware/target. A quarter of an hour on two cores.
     --core: one core; the rows of the others stay. --predict: predictions from the kept clocks of instructions, without Verilator.
 
 Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).

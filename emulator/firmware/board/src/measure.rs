@@ -12,6 +12,12 @@ use crate::target::Target;
 /// Plan for which the price of an accuracy is measured.
 pub const ALL_EFFECTS: &str = "reflection+bump+curvature+footprint+anisotropic";
 
+/// Plan of [`ALL_EFFECTS`] in batches, for the program `clocks`.
+pub const IN_A_BATCH: &str = "batch+bump+curvature+footprint+anisotropic";
+
+/// Plan of the program `clocks` that fetches and filters the probes of a footprint of [`ALL_EFFECTS`].
+pub const PROBE: &str = "probe+bump+curvature+footprint+anisotropic";
+
 /// Numbers of the lines `NAME NUMBER` of a program.
 pub type Numbers = BTreeMap<String, u64>;
 
@@ -25,7 +31,13 @@ pub struct Measured {
 
 /// Builds and runs a program, as [`Target::build`] reads plan and accuracy.
 pub fn measure(target: Target, program: &str, plan: &str, accuracy: &str) -> Result<Measured, Failure> {
-    let built = target.build(program, plan, accuracy)?;
+    target.build(program, plan, accuracy)?;
+    measure_built(target, program)
+}
+
+/// Runs the last built program of a name.
+pub fn measure_built(target: Target, program: &str) -> Result<Measured, Failure> {
+    let built = target.place(program);
     let (code, output) = target.run(&built)?;
     if code != 0 {
         return Err(Failure::trouble(format!("{program} on {}: exit code {code}\n{output}", target.name())));

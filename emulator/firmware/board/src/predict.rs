@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::Failure;
-use crate::cores::Cache;
+use crate::cores::{Cache, Core};
 use crate::hart::{Hart, Kind, Step};
 use crate::latencies::Latencies;
 use crate::measure::{self, Numbers};
@@ -13,7 +13,7 @@ const BEGIN: u32 = 1;
 const END: u32 = 2;
 const FINISH: u32 = 0x5555;
 
-/// Instructions of one kind or line, for each fragment.
+/// Instructions of one kind, or lines, for each fragment or probe.
 pub type Counts = BTreeMap<&'static str, u64>;
 
 /// Count of the distinct lines that the measured parts touch.
@@ -54,34 +54,73 @@ impl Lines {
     }
 }
 
+/// Clocks of a kind of instruction.
+#[derive(Clone, Copy)]
+struct Delays {
+    taken: f64,
+    wait: f64,
+    gap: f64,
+}
+
 /// Core as an instruction sees it: one runs after another, and waits for what it needs.
 struct Pipeline<'a> {
     latencies: &'a Latencies,
+    /// Clocks of the kinds that have run, by their places.
+    known: [Option<Delays>; Kind::COUNT],
     lines: Option<Lines>,
+    refill: f64,
     now: f64,
     /// Clock at which each register can be read.
     ready: [f64; 32],
     /// Clock at which the memory takes an access.
     is_free: f64,
+    /// Clock at which the last measured part began.
+    begun: f64,
+    /// Clocks of all measured parts.
+    clocks: f64,
 }
 
-impl Pipeline<'_> {
-    /// Runs an instruction and returns the clock at which it began.
-    fn step(&mut self, step: &Step) -> f64 {
-        let Step { address, kind, reads, writes, .. } = *step;
-        if self.lines.as_mut().is_some_and(|lines| lines.misses(address)) {
-            self.now += self.latencies.named("refill");
+impl<'a> Pipeline<'a> {
+    fn new(latencies: &'a Latencies, cache: Option<Cache>) -> Self {
+        Self {
+            latencies,
+            known: [None; Kind::COUNT],
+            lines: cache.map(Lines::new),
+            refill: latencies.named("refill"),
+            now: 0.0,
+            ready: [0.0; 32],
+            is_free: 0.0,
+            begun: 0.0,
+            clocks: 0.0,
         }
+    }
+
+    /// Runs an instruction.
+    fn step(&mut self, step: &Step) {
+        let Step { address, kind, reads, writes, mark } = *step;
+        if self.lines.as_mut().is_some_and(|lines| lines.misses(address)) {
+            self.now += self.refill;
+        }
+        let latencies = self.latencies;
+        let delays = self.known[kind.place()].get_or_insert_with(|| Delays {
+            taken: latencies.taken(kind),
+            wait: latencies.wait(kind),
+            gap: latencies.gap(kind),
+        });
         let mut begin = reads.iter().fold(self.now, |begin, &read| begin.max(self.ready[read]));
         if matches!(kind, Kind::Load | Kind::Store) {
             begin = begin.max(self.is_free);
-            self.is_free = begin + self.latencies.gap(kind);
+            self.is_free = begin + delays.gap;
         }
-        self.now = begin + self.latencies.taken(kind);
+        self.now = begin + delays.taken;
         if writes != 0 {
-            self.ready[writes] = self.now + self.latencies.wait(kind);
+            self.ready[writes] = self.now + delays.wait;
         }
-        begin
+        match mark {
+            Some(BEGIN) => self.begun = begin,
+            Some(END) => self.clocks += begin - self.begun,
+            _ => {}
+        }
     }
 }
 
@@ -97,30 +136,31 @@ fn run(program: &[u8], mut each: impl FnMut(&Step)) -> Result<Numbers, Failure> 
     }
 }
 
-/// Fragments of a measured part of a program.
-fn batch(numbers: &Numbers) -> Result<u64, Failure> {
-    numbers.get("batch").copied().ok_or_else(|| Failure::trouble("a program does not print its batch"))
+/// Fragments or probes that the measured parts of a program have together.
+fn units(numbers: &Numbers) -> Result<u64, Failure> {
+    let units = numbers.get("units").copied().filter(|&units| units > 0);
+    units.ok_or_else(|| Failure::trouble("a program does not print its units"))
 }
 
-/// Clocks of a fragment, in the mean.
-pub fn clocks(program: &[u8], latencies: &Latencies, cache: Option<Cache>) -> Result<u64, Failure> {
-    let mut pipeline = Pipeline { latencies, lines: cache.map(Lines::new), now: 0.0, ready: [0.0; 32], is_free: 0.0 };
-    let (mut begun, mut clocks, mut parts) = (0.0, 0.0, 0.0);
-    let numbers = run(program, |step| {
-        let at = pipeline.step(step);
-        match step.mark {
-            Some(BEGIN) => begun = at,
-            Some(END) => {
-                clocks += at - begun;
-                parts += 1.0;
-            }
-            _ => {}
-        }
-    })?;
-    Ok((clocks / parts / batch(&numbers)? as f64).round() as u64)
+/// Mean clocks of a unit, from the clocks of all measured parts and the numbers that a program prints.
+pub fn mean(clocks: f64, numbers: &Numbers) -> Result<u64, Failure> {
+    Ok((clocks / units(numbers)? as f64).round() as u64)
 }
 
-/// Instructions of a fragment by their kind, in the mean, and the check value of the program.
+/// Core with its latencies.
+pub type Known = (&'static Core, Latencies);
+
+/// Mean clocks of a unit of a program by the names of cores, and the check value of the program. It runs once.
+pub fn clocks(program: &[u8], cores: &[Known]) -> Result<(Numbers, Option<u64>), Failure> {
+    let mut pipelines: Vec<Pipeline> =
+        cores.iter().map(|(core, latencies)| Pipeline::new(latencies, core.cache)).collect();
+    let numbers = run(program, |step| pipelines.iter_mut().for_each(|pipeline| pipeline.step(step)))?;
+    let means = cores.iter().zip(&pipelines);
+    let means = means.map(|((core, _), pipeline)| Ok((core.name.into(), mean(pipeline.clocks, &numbers)?)));
+    Ok((means.collect::<Result<_, Failure>>()?, numbers.get("check").copied()))
+}
+
+/// Mean instructions of a unit by their kind, and the check value of the program.
 pub fn counts(program: &[u8]) -> Result<(Counts, Option<u64>), Failure> {
     let mut counts = Counts::from(COUNTED.map(|name| (name, 0)));
     let (mut is_measured, mut parts) = (false, 0);
@@ -153,8 +193,8 @@ pub fn counts(program: &[u8]) -> Result<(Counts, Option<u64>), Failure> {
         }
         is_measured |= step.mark == Some(BEGIN);
     })?;
-    let fragments = parts * batch(&numbers)?;
-    counts.values_mut().for_each(|number| *number /= fragments);
+    let units = units(&numbers)?;
+    counts.values_mut().for_each(|number| *number /= units);
     counts.insert(LINES, touched / parts);
     Ok((counts, numbers.get("check").copied()))
 }

@@ -1,6 +1,7 @@
 //! One plan at one accuracy on a bare RISC-V core, for a simulation that counts clocks.
 //!
-//! The program has one output in a simulation and in QEMU, and equal check values mean equal bits.
+//! The program has one output in a simulation and in QEMU, and equal check values mean equal bits. It prints how many fragments or probes the measured
+//! parts have together, so that a mean is that of one.
 #![no_std]
 #![no_main]
 #![allow(unused_imports, dead_code, reason = "a plan names what it needs")]
@@ -11,15 +12,16 @@ use core::hint::black_box;
 use roughxel_core::firmware::*;
 use roughxel_core::knob::Knob;
 use roughxel_core::plan::Effects;
-use roughxel_core::ports::{CubeProbe, ReflectionIn};
+use roughxel_core::ports::{CubeProbe, Light, ReflectionIn};
 use roughxel_core::precision::{Precision, RoughnessKind};
+use roughxel_core::sampler::Cube;
 use roughxel_core::width;
 use roughxel_f32_baseline::FloatFootprint;
 use roughxel_f32_baseline::formulas::Careful;
-use roughxel_f32_baseline::math::Libm;
+use roughxel_f32_baseline::math::{Libm, Micromath};
 use roughxel_firmware::bare::{Mark, Serial, bare_entry};
-use roughxel_firmware::samples::REFLECTIONS;
-use roughxel_firmware::tile::SKY_EDGE;
+use roughxel_firmware::samples::{REFLECTIONS, SAMPLES};
+use roughxel_firmware::tile::{SKY_EDGE, Sky};
 
 include!(concat!(env!("OUT_DIR"), "/plan.rs"));
 
@@ -28,8 +30,12 @@ bare_entry!(run);
 /// Samples to a fragment that enters the check value. The others are shaded in batches alone: a bit-serial core takes a second of simulation for each.
 const STRIDE: usize = 4;
 
-/// Fragment as the datapath and the f32 baseline read it, with those of its batch.
+/// Sky of the tile.
+const SKY: Cube<'_, Sky> = Cube { memory: &Sky, edge: SKY_EDGE as u32, last_level: SKY_EDGE.ilog2(), exponent: 0 };
+
+/// Fragment as the datapath and the f32 baseline read it, with those of its batch, and its place among all.
 struct Sample {
+    place: usize,
     reflection: ReflectionIn,
     batch: &'static [ReflectionIn],
     float: roughxel_f32_baseline::Fragment,
@@ -39,6 +45,11 @@ struct Sample {
 trait Checked {
     /// Folds the bits of the result into a check value.
     fn check(self, so_far: u32) -> u32;
+
+    /// Fragments or probes that the result is made of.
+    fn units(&self) -> usize {
+        BATCH
+    }
 }
 
 /// Step of a check value.
@@ -52,6 +63,27 @@ impl Checked for FaceFootprint<Plan> {
             let CubeProbe { face, st: [s, t], weight } = probe;
             [face.into(), s.to_bits(), t.to_bits(), weight.to_bits()].into_iter().fold(check, fold)
         })
+    }
+}
+
+/// Colour of a footprint, with its probe count.
+struct Coloured(Light, usize);
+
+impl Coloured {
+    /// Fetches and filters the probes of a footprint.
+    #[inline(always)]
+    fn new(footprint: &FaceFootprint<Plan>) -> Self {
+        Self(footprint.colour(&SKY), footprint.probes().len())
+    }
+}
+
+impl Checked for Coloured {
+    fn check(self, so_far: u32) -> u32 {
+        self.0.iter().fold(so_far, |check, light| fold(check, light.to_bits()))
+    }
+
+    fn units(&self) -> usize {
+        self.1
     }
 }
 
@@ -73,23 +105,25 @@ impl Checked for FloatFootprint {
     }
 }
 
-/// Runs one sample, or the batch that begins with it, between two marks.
+/// Runs one sample, or the batch that begins with it, between two marks. Returns the check value and the units so far.
 #[inline(never)]
-fn measured(sample: &Sample, prepared: &mut Prepared, check: u32) -> u32 {
+fn measured(sample: &Sample, prepared: &mut Prepared, [check, units]: [u32; 2]) -> [u32; 2] {
     let (sample, prepared) = (black_box(sample), black_box(prepared));
     Mark::Begin.set();
     let result = work!(sample, prepared);
     black_box(&result);
     Mark::End.set();
-    result.check(check)
+    let units = units + result.units() as u32;
+    [result.check(check), units]
 }
 
 fn run() {
     let prepared = &mut prepare!();
-    let mut check = 0;
-    for batch in REFLECTIONS.windows(BATCH).step_by(BATCH.max(STRIDE)) {
-        let sample = Sample { reflection: batch[0], batch, float: (&batch[0]).into() };
-        check = measured(&sample, prepared, check);
+    let mut sums = [0; 2];
+    for (place, batch) in REFLECTIONS.windows(BATCH).enumerate().step_by(BATCH.max(STRIDE)) {
+        let sample = Sample { place, reflection: batch[0], batch, float: (&batch[0]).into() };
+        sums = measured(&sample, prepared, sums);
     }
-    let _ = writeln!(Serial, "check {check}\nbatch {BATCH}");
+    let [check, units] = sums;
+    let _ = writeln!(Serial, "check {check}\nunits {units}");
 }
