@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args};
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Profile;
@@ -11,6 +12,7 @@ use roughxel_study::Subject;
 use roughxel_study::choose::{Aim, Candidate, Clock, Meter, NoChoice, candidates, choose, measure, next_cheaper};
 use roughxel_study::frame_meter::{Against, FrameMeter};
 use roughxel_study::profile_file::{NamedPrecision, name_of_file, write_profile};
+use roughxel_study::soft_core::{Machine, TARGETS, cores};
 use serde_json::{Value, json};
 
 use super::cache::CacheArgs;
@@ -30,7 +32,10 @@ the major axis exact, from 10 or 32 steps; 1 to 16 probes, a power of two or not
   hardware     full adders of the designs that the largest object's fragments and fetches use: w x n for a multiplier of
                w by n bits, w x (digits - 1) for one by a constant, carry bits of adders and comparators. Tables and
                selects do not count
-  softcore     instructions of a pixel on riscv32imac: a reflection with all effects, its probes with their texels
+  softcore     clocks or instructions of a pixel on the processor of --core: a reflection with all effects, alone or in a
+               batch, whichever takes less, and its probes with their texels. Clocks are predicted, within 10 % of the
+               Verilog of the core. Cores differ in what multipliers, shifts and cache misses take, so they rank profiles
+               differently: name the nearest one
   memory       texels of a pixel; each map and level counts separately
 
 Accuracy decides between equal costs, and cost between equal accuracy. On the clock host, figures differ between runs.
@@ -53,6 +58,10 @@ pub(super) struct ChooseArgs {
     /// Cost to count: host, hardware, softcore or memory.
     #[arg(long, default_value_t = Clock::Hardware, value_name = "CLOCK")]
     clock: Clock,
+    /// Processor of the clock softcore: a soft core, whose clocks count, or a processor, whose instructions count. Without it
+    /// vexriscv-standard, the usual core of LiteX.
+    #[arg(long, value_parser = machines(), value_name = "NAME")]
+    core: Option<Machine>,
     /// Frames to compare with: filter or samples.
     #[arg(long, default_value_t = Against::Filter, value_name = "TRUTH")]
     against: Against,
@@ -72,6 +81,13 @@ pub(super) struct ChooseArgs {
     json: bool,
 }
 
+/// Cores and processors with their descriptions.
+fn machines() -> impl TypedValueParser<Value = Machine> {
+    let cores = cores().iter().map(|core| PossibleValue::new(&*core.name).help(&*core.about));
+    let processors = TARGETS.map(|target| PossibleValue::new(target).help("instructions, counted in QEMU"));
+    PossibleValuesParser::new(cores.chain(processors)).try_map(|name| name.parse::<Machine>())
+}
+
 fn parse_positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "give a number above 0".into())
@@ -80,6 +96,10 @@ fn parse_positive(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
     use_threads(args.threads)?;
     let (clock, output) = (args.clock, &args.output);
+    if args.core.is_some() && clock != Clock::SoftCore {
+        return Err(Failure::Usage(format!("--core belongs to the clock softcore; --clock is {clock}")));
+    }
+    let machine = args.core.unwrap_or_default();
     // Name and file are checked before minutes of work.
     let name = name_of_file(output);
     if Profile::by_name(&name).is_some() {
@@ -94,7 +114,7 @@ pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
     });
     let subjects = subjects.collect::<Result<Vec<_>, Failure>>()?;
     let bar = progress(FrameMeter::work(&subjects), "float64");
-    let meter = FrameMeter::new(&subjects, args.against, &|| bar.inc(1))?;
+    let meter = FrameMeter::new(&subjects, args.against, machine, &|| bar.inc(1))?;
     bar.finish_and_clear();
 
     let aim = args.psnr.map(Aim::Psnr).or(args.budget.map(Aim::Budget)).unwrap_or(Aim::Psnr(f64::NAN));
@@ -122,20 +142,20 @@ pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
     let next = next_cheaper(&measured, chosen, clock).map(on_all_clocks);
     let chosen = on_all_clocks(chosen);
 
-    let comments = comments(args, &chosen);
+    let comments = comments(args, machine, &chosen);
     write_profile(output, &NamedPrecision::new(&name, chosen.precision)?, &comments)?;
     let mut out = io::stdout().lock();
     if args.json {
         let result = json!({
             "profile": output.display().to_string(), "psnr_db": args.psnr, "budget": args.budget, "clock": clock.name(),
-            "scenes": args.scene, "against": args.against.to_string(), "candidates": count, "measured": measured.len(),
+            "softcore": { "core": machine.name(), "unit": machine.unit() }, "scenes": args.scene, "against": args.against.to_string(), "candidates": count, "measured": measured.len(),
             "chosen": as_json(&chosen), "next_cheaper": next.as_ref().map(as_json),
         });
         writeln!(out, "{result:#}")?;
         return Ok(());
     }
     writeln!(out, "{}: {}", output.display(), comments.join("; "))?;
-    writeln!(out, "{}", table(&chosen, next.as_ref()))?;
+    writeln!(out, "{}", table(machine, &chosen, next.as_ref()))?;
     match (next, args.psnr) {
         (Some(next), Some(bar)) if next.psnr < bar => {
             writeln!(out, "The next cheaper one misses the bar by {:.2} dB.", bar - next.psnr)?;
@@ -147,15 +167,20 @@ pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
 }
 
 /// Makes the comment lines at the head of the file: what was chosen and why.
-fn comments(args: &ChooseArgs, chosen: &Candidate) -> Vec<String> {
-    let (clock, [width, height]) = (args.clock, args.size);
+fn comments(args: &ChooseArgs, machine: Machine, chosen: &Candidate) -> Vec<String> {
+    let (clock, [width, height]) = (named(args.clock, machine), args.size);
     let aim = match (args.psnr, args.budget) {
         (Some(bar), _) => format!("the cheapest on the clock {clock} of at least {bar} dB"),
         (_, budget) => format!("the most accurate of at most {} on the clock {clock}", budget.unwrap_or_default()),
     };
-    let found = format!("{:.2} dB against {}, cost {}", chosen.psnr, args.against, figure(chosen.cost_on(clock)));
+    let found = format!("{:.2} dB against {}, cost {}", chosen.psnr, args.against, figure(chosen.cost_on(args.clock)));
     let same = chosen.name.iter().map(|name| format!("the knobs of {name}"));
     [aim, format!("{}, {width}x{height}: {found}", args.scene.join(", "))].into_iter().chain(same).collect()
+}
+
+/// Name of a clock, with the unit of a soft core.
+fn named(clock: Clock, machine: Machine) -> String {
+    if clock == Clock::SoftCore { format!("{clock} ({machine})") } else { clock.to_string() }
 }
 
 fn figure(cost: Option<f64>) -> String {
@@ -167,7 +192,7 @@ fn figure(cost: Option<f64>) -> String {
 }
 
 /// Builds the table of knobs and figures, one per row.
-fn table(chosen: &Candidate, next: Option<&Candidate>) -> comfy_table::Table {
+fn table(machine: Machine, chosen: &Candidate, next: Option<&Candidate>) -> comfy_table::Table {
     let mut table = new_table(["", "chosen", "next cheaper"]);
     let mut row = |name: &str, text: &dyn Fn(&Candidate) -> String| {
         table.add_row([name.to_owned(), text(chosen), next.map_or_else(String::new, text)]);
@@ -177,7 +202,7 @@ fn table(chosen: &Candidate, next: Option<&Candidate>) -> comfy_table::Table {
     }
     row("PSNR", &|of| format!("{:.2} dB", of.psnr));
     for clock in Clock::ALL {
-        row(clock.name(), &|of| figure(of.cost_on(clock)));
+        row(&named(clock, machine), &|of| figure(of.cost_on(clock)));
     }
     table
 }

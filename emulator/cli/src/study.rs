@@ -19,7 +19,8 @@ Accuracy   worst, mean and 99.9 % error of every stage; PSNR and SSIM of frames 
            `standard` in float64, and 1024 samples a pixel; errors near every degeneracy
 Time       host: nanoseconds per fragment and per pixel, scalar and SIMD, as ratios to `standard`, measured in turns with it
            hardware: multipliers, lookup tables and gate levels of the reflection datapath, from the proof of its ranges
-           soft core: instructions per fragment, as `cargo firmware price --knobs` counted them
+           soft core: clocks per fragment on twelve cores and instructions on three processors, as `cargo firmware price
+           --knobs` predicted and counted them
            memory: texels per pixel, bytes of maps
 
 Writes study.json, index.html (one self-contained page without scripts) and the two plots of docs/performance.md as SVG. An interrupted study

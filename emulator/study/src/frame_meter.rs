@@ -20,7 +20,7 @@ use crate::Subject;
 use crate::choose::{Clock, Meter};
 use crate::hardware;
 use crate::plan::{census, fetches, time_ratio};
-use crate::soft_core;
+use crate::soft_core::Machine;
 
 /// Least time that each side of a comparison of frames takes.
 const FRAME_TIME: Duration = Duration::from_millis(50);
@@ -84,12 +84,14 @@ struct Seen {
 ///
 /// - host: t(frame)/t(frame in `standard`), median of pairs drawn in turn; without unit.
 /// - hardware: [`hardware::full_adders`] of every design that an object's fragments and fetches use, each once.
-/// - softcore: instructions of a pixel on riscv32imac: a reflection with all effects, and its texels with their filter.
+/// - softcore: clocks or instructions of a pixel on the [`Machine`]: a reflection with all effects, and its texels with their filter.
 /// - memory: texels of a pixel.
 pub struct FrameMeter<'a> {
     scenes: Vec<Measured<'a>>,
     /// Plans of the objects of all scenes, each once; true if the object reflects a bright environment.
     plans: Vec<(ObjectPlan, bool)>,
+    /// Machine of the clock softcore.
+    machine: Machine,
     /// Figures of every precision whose frames were drawn, by its knobs: the same frames give texels and PSNR.
     seen: RefCell<HashMap<[u32; Knob::ALL.len()], Seen>>,
     start: Instant,
@@ -99,7 +101,12 @@ impl<'a> FrameMeter<'a> {
     /// Draws the references of the frames; `progress` is called [`FrameMeter::work`] times.
     ///
     /// Errors: those of the cameras and the meshes.
-    pub fn new(subjects: &'a [Subject], against: Against, progress: &(dyn Fn() + Sync)) -> Result<Self, RasterError> {
+    pub fn new(
+        subjects: &'a [Subject],
+        against: Against,
+        machine: Machine,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<Self, RasterError> {
         let (mut scenes, mut plans) = (Vec::new(), Vec::new());
         for subject in subjects {
             let truth =
@@ -113,7 +120,7 @@ impl<'a> FrameMeter<'a> {
             }
             scenes.push(Measured { subject, truth, standard });
         }
-        Ok(Self { scenes, plans, seen: RefCell::default(), start: Instant::now() })
+        Ok(Self { scenes, plans, machine, seen: RefCell::default(), start: Instant::now() })
     }
 
     /// Number of progress steps of [`FrameMeter::new`].
@@ -156,10 +163,8 @@ impl Meter for FrameMeter<'_> {
             Clock::SoftCore => {
                 // Settings with fewer probes were not priced; they take at most 2 % less (`max_probes` in knobs.json).
                 let priced = Precision { max_probes: Precision::STANDARD.max_probes, ..*p };
-                let price = soft_core::price(soft_core::TARGET, &priced)?;
-                let probe =
-                    soft_core::probe(soft_core::TARGET, &Precision { fraction_bits: p.fraction_bits, ..priced })?;
-                Some(price.instructions + self.seen(p).ok()?.texels / TEXELS_OF_A_PROBE * probe.with_texels)
+                let (fragment, probe) = (self.machine.fragment(&priced)?, self.machine.probe(p)?);
+                Some(fragment + self.seen(p).ok()?.texels / TEXELS_OF_A_PROBE * probe)
             }
             Clock::Memory => self.seen(p).ok().map(|seen| seen.texels),
         }
@@ -189,7 +194,8 @@ mod tests {
     #[test]
     fn frames_that_told_texels_tell_their_psnr_too() {
         let subjects = [Subject::open("lake", [24, 18]).expect("the built-in scene is valid")];
-        let meter = FrameMeter::new(&subjects, Against::Filter, &|| ()).expect("the built-in scene is valid");
+        let meter = FrameMeter::new(&subjects, Against::Filter, Machine::default(), &|| ())
+            .expect("the built-in scene is valid");
         let (drawn, narrow) = (|| meter.seen.borrow().len(), Precision::NARROW);
         let texels = meter.cost(Clock::Memory, &narrow).expect("frames give texels");
         let frame = meter.scenes[0].prepare(&narrow).and_then(|prepared| prepared.render_counted(&|| ()));

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use roughxel_study::profile_file::read_profile;
+use roughxel_study::soft_core;
 
 use super::fixture::{Folder, Run, roughxel};
 
@@ -53,6 +54,31 @@ reflectance = [1, 1, 1]
 "#;
 
 #[test]
+fn the_cost_on_a_soft_core_says_its_unit_and_core() {
+    let (scenes, directory) = (Folder::new(), Folder::new());
+    scenes.write("mirror.toml", FLAT_MIRROR);
+    let (scene, file) = (scenes.file("mirror.toml"), directory.join("a.toml"));
+    let costs =
+        [&[][..], &["--core", "vexriscv-standard"], &["--core", "serv"], &["--core", "riscv32imac"]].map(|core| {
+            let arguments = [&["--psnr", "40", "--clock", "softcore"], core].concat();
+            let json = choose(&scene, &arguments, &file).json();
+            let name = core.last().copied().unwrap_or(soft_core::CORE);
+            let unit = if name == "riscv32imac" { "instructions" } else { "clocks" };
+            assert_eq!((&json["softcore"]["core"], &json["softcore"]["unit"]), (&name.into(), &unit.into()));
+            let comments = std::fs::read_to_string(&file).unwrap();
+            assert!(comments.contains(&format!("softcore ({unit} on {name})")), "{comments}");
+            json["chosen"]["cost"]["softcore"].as_f64().unwrap()
+        });
+    assert!(costs[0] == costs[1] && costs[2] > 20.0 * costs[1] && costs[1] > costs[3], "{costs:?}");
+
+    let table =
+        roughxel(&["choose", "--scene", &scene, "--size", "24x18", "--psnr", "40", "-o", file.to_str().unwrap()]);
+    assert!(table.ends(0).out.contains("softcore (clocks on vexriscv-standard)"));
+    let help = roughxel(&["choose", "--help"]).ends(0).out;
+    assert!(help.contains(&format!("Without it {}", soft_core::CORE)) && help.contains("serv:"), "{help}");
+}
+
+#[test]
 fn an_aim_out_of_reach_tells_the_nearest_and_writes_nothing() {
     let (scenes, directory) = (Folder::new(), Folder::new());
     scenes.write("mirror.toml", FLAT_MIRROR);
@@ -60,6 +86,8 @@ fn an_aim_out_of_reach_tells_the_nearest_and_writes_nothing() {
         ("a.toml", &["--budget", "1"][..], 3, "the cheapest costs"),
         ("a.toml", &["--psnr", "300"], 3, "the most accurate has"),
         ("a.toml", &["--psnr", "40", "--clock", "watch"], 2, "clocks are host, hardware, softcore, memory"),
+        ("a.toml", &["--psnr", "40", "--clock", "softcore", "--core", "z80"], 2, "vexriscv-standard, "),
+        ("a.toml", &["--psnr", "40", "--core", "serv"], 2, "--core belongs to the clock softcore; --clock is hardware"),
         ("a.toml", &["--psnr", "-3"], 2, "--psnr"),
         ("a.toml", &["--psnr", "40", "--budget", "3"], 2, "cannot be used with"),
         ("a.toml", &[], 2, "required"),

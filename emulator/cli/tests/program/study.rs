@@ -15,6 +15,7 @@ use roughxel_study::frame_meter::{Against, FrameMeter};
 use roughxel_study::host::Rounds;
 use roughxel_study::measurement::{self, Parts, Settings, Study};
 use roughxel_study::report::{BUYS_SOMETHING_DB, knob_gains, markdown, readme_plots};
+use roughxel_study::soft_core::Machine;
 
 use super::fixture::repository;
 
@@ -49,7 +50,8 @@ fn run(settings: &Settings, parts: &Parts) -> (Study, usize) {
 /// Extracts the results that do not depend on the machine.
 fn exact(study: &Study) -> String {
     let of_points = study.points.iter().map(|point| {
-        format!("{:?} {:?} {:?} {:?} {:?}", point.stages, point.wrong, point.frames, point.hardware, point.soft_core)
+        let on_soft_cores = (&point.soft_core, &point.soft_core_clocks);
+        format!("{:?} {:?} {:?} {:?} {on_soft_cores:?}", point.stages, point.wrong, point.frames, point.hardware)
     });
     let of_floats = study.floats.iter().map(|float| format!("{:?} {:?} {:?}", float.stages, float.wrong, float.psnr));
     let of_modes = study.modes.iter().map(|mode| format!("{:?}", mode.frames));
@@ -159,7 +161,7 @@ impl Remembered<'_> {
 #[test]
 fn the_choice_is_that_of_the_exhaustive_search_on_every_clock() {
     let subjects = [Subject::open("lake", [24, 18]).unwrap()];
-    let meter = FrameMeter::new(&subjects, Against::Filter, &|| ()).unwrap();
+    let meter = FrameMeter::new(&subjects, Against::Filter, Machine::default(), &|| ()).unwrap();
     let meter = Remembered(meter, RefCell::default());
     let precisions: Vec<Precision> = candidates().into_iter().step_by(31).collect();
     let psnr: Vec<f64> = precisions.iter().map(|p| meter.0.psnr(p)).collect();

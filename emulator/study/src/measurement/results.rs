@@ -30,7 +30,7 @@ pub struct Study {
     pub settings: Settings,
     /// Source of the random numbers.
     pub seeds: String,
-    /// The compiler of the soft core's instructions.
+    /// The compiler of the programs whose instructions and clocks are known.
     pub soft_core_rustc: String,
     /// Each setting of the knobs.
     pub points: Vec<Point>,
@@ -100,8 +100,11 @@ pub struct Point {
     pub hardware: Option<HardwareFigures>,
     /// Time on the host.
     pub host: HostFigures,
-    /// The reflection datapath on soft cores, by target; a setting that was not priced is missing.
+    /// The reflection datapath on small processors, by target; a setting that was not priced is missing.
     pub soft_core: BTreeMap<String, Price>,
+    /// Predicted clocks of a fragment by soft core; empty in a study that has none.
+    #[serde(default)]
+    pub soft_core_clocks: BTreeMap<String, f64>,
 }
 
 impl Point {
@@ -117,6 +120,7 @@ impl Point {
         let p = &setting.precision;
         let knob = |knob: Knob| (knob.name().into(), knob.text(knob.value_in(p)).to_string());
         let price = |target: &&str| Some(((*target).into(), soft_core::price(target, p)?));
+        let clocks = |core: &soft_core::Core| Some((core.name.clone(), soft_core::clocks(&core.name, p)?));
         Self {
             name: setting.name.clone(),
             knob: setting.knob.map(|(knob, _)| knob.name().into()),
@@ -128,6 +132,7 @@ impl Point {
             hardware,
             host,
             soft_core: soft_core::TARGETS.iter().filter_map(price).collect(),
+            soft_core_clocks: soft_core::cores().iter().filter_map(clocks).collect(),
         }
     }
 

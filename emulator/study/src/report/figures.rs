@@ -58,12 +58,12 @@ pub(super) fn mean(figures: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// Cost of a setting on a clock: time of a frame in lanes as a multiple of `standard`'s, mean of the [`timed_scenes`]; full
-/// adders of the reflection; instructions a fragment on [`soft_core::TARGET`]; texels a pixel, mean of all scenes.
+/// adders of the reflection; clocks a fragment on [`soft_core::CORE`]; texels a pixel, mean of all scenes.
 pub(super) fn cost(point: &Point, clock: Clock) -> Option<f64> {
     match clock {
         Clock::Host => mean(point.host.frames.values().map(|timing| timing.ratio)),
         Clock::Hardware => point.hardware.as_ref().map(|hardware| hardware.full_adders as f64),
-        Clock::SoftCore => point.soft_core.get(soft_core::TARGET).map(|price| price.instructions),
+        Clock::SoftCore => point.soft_core_clocks.get(soft_core::CORE).copied(),
         Clock::Memory => mean(point.frames.iter().map(|frame| frame.texels)),
     }
 }
@@ -72,7 +72,7 @@ pub(super) fn cost(point: &Point, clock: Clock) -> Option<f64> {
 pub(super) const CLOCKS: [(Clock, &str); 4] = [
     (Clock::Host, "host: time of a frame ÷ standard"),
     (Clock::Hardware, "hardware: full adders of the reflection"),
-    (Clock::SoftCore, "soft core: instructions a fragment, riscv32imac"),
+    (Clock::SoftCore, "soft core: clocks a fragment, vexriscv-standard"),
     (Clock::Memory, "memory: texels a pixel"),
 ];
 
@@ -84,6 +84,11 @@ mod tests {
     fn digits_stand_in_groups_of_three_from_five_on() {
         let texts = [0, 999, 9999, 10_000, 123_456, 1_002_003].map(grouped);
         assert_eq!(texts, ["0", "999", "9999", "10 000", "123 456", "1 002 003"]);
+    }
+
+    #[test]
+    fn the_unit_of_the_soft_core_names_it() {
+        assert!(CLOCKS[Clock::SoftCore as usize].1.ends_with(soft_core::CORE));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::verdict::curve;
 use crate::choose::Clock;
 use crate::frames::FrameFigures;
 use crate::measurement::{Point, StageFigures, Study};
-use crate::soft_core;
+use crate::soft_core::Machine;
 use crate::stability::HardCase;
 
 fn axis(label: &str, scale: Scale) -> Axis {
@@ -175,15 +175,15 @@ pub(super) fn clocks(study: &Study) -> Vec<Plot> {
             let mut all = settings(study, &CURVES, |point| Some((cost(point, clock)?, places(&point.stages)?)));
             if clock == Clock::SoftCore {
                 // `libm` gives the bits of the standard library.
-                let prices = soft_core::float(soft_core::TARGET).map_or([None; 2], |float| {
+                let prices = Machine::default().float().map_or([None; 2], |float| {
                     [
                         Some(("f32", "f32, libm", float.libm)),
                         Some(("f32, micromath", "f32, micromath", float.micromath)),
                     ]
                 });
-                let floats = prices.into_iter().flatten().filter_map(|(measured, name, instructions)| {
+                let floats = prices.into_iter().flatten().filter_map(|(measured, name, clocks)| {
                     let float = study.floats.iter().find(|float| float.name == measured)?;
-                    Some(dot(instructions, places(&float.stages)?, Some(name)))
+                    Some(dot(clocks, places(&float.stages)?, Some(name)))
                 });
                 all.push(series("floats", Style::Points, floats.collect()));
             }

@@ -113,6 +113,11 @@ fn clock_rows(study: &Study) -> Vec<Vec<String>> {
         "hardware: 10⁶ fragments a second, a register behind every unit (estimate)",
         hardware(|h| format!("{:.0}", h.clock_mhz_estimate)),
     ));
+    for core in soft_core::SHOWN_CORES {
+        rows.push(row(study, &format!("soft core {core}: clocks a fragment"), |point| {
+            point.soft_core_clocks.get(core).map_or_else(|| "–".into(), |clocks| grouped(clocks.round() as u64))
+        }));
+    }
     for target in soft_core::TARGETS {
         rows.push(row(study, &format!("soft core {target}: instructions a fragment"), |point| {
             point.soft_core.get(target).map_or_else(|| "–".into(), |price| grouped(price.instructions.round() as u64))

@@ -6,6 +6,7 @@ use roughxel_core::precision::Precision;
 use super::figures::{CLOCKS, Table, cost, grouped, power, worst_psnr};
 use crate::choose::{Aim, Candidate, Clock, choose};
 use crate::measurement::{Point, Study, base_of};
+use crate::soft_core;
 
 /// Least change of a scene's PSNR, dB, that counts as a gain from a knob.
 pub const BUYS_SOMETHING_DB: f64 = 0.5;
@@ -104,15 +105,14 @@ pub(super) fn bit_prices(study: &Study) -> Vec<String> {
         ))
     };
     let on_host = sentence("On the host", "the time of a fragment in lanes", &|point| Some(point.host.lanes.ratio));
+    let [cached, uncached, smallest] = soft_core::SHOWN_CORES;
+    let on = |core: &'static str| move |point: &Point| point.soft_core_clocks.get(core).copied();
     let elsewhere = [
         sentence("In hardware", "the full adders", &|point| cost(point, Clock::Hardware)),
         sentence("In hardware", "the gate levels", &|point| Some(f64::from(point.hardware.as_ref()?.levels))),
-        sentence("On a soft core with a multiplier (riscv32imac)", "the instructions", &|point| {
-            cost(point, Clock::SoftCore)
-        }),
-        sentence("On one without (riscv32i)", "the instructions", &|point| {
-            Some(point.soft_core.get("riscv32i")?.instructions)
-        }),
+        sentence(&format!("On a soft core with a multiplier and a cache ({cached})"), "the clocks", &on(cached)),
+        sentence(&format!("On one without a cache ({uncached})"), "the clocks", &on(uncached)),
+        sentence(&format!("On one with neither ({smallest})"), "the clocks", &on(smallest)),
         sentence("In memory", "the texels", &|point| cost(point, Clock::Memory)),
     ];
     let within_words = times_within_words(study);
@@ -248,6 +248,25 @@ mod tests {
         let mut unknown = study.points[0].clone();
         unknown.knobs.insert(Knob::Direction.name().into(), "upwards".into());
         assert_eq!(precision(&unknown), None);
+    }
+
+    #[test]
+    fn costs_on_soft_cores_in_the_kept_study_are_those_of_the_table() {
+        for point in kept().points {
+            let p = precision(&point).expect("a known setting");
+            for core in soft_core::cores() {
+                let kept = point.soft_core_clocks.get(&core.name).copied();
+                assert_eq!(kept, soft_core::clocks(&core.name, &p), "{} on {}", point.name, core.name);
+            }
+            for target in soft_core::TARGETS {
+                assert_eq!(
+                    point.soft_core.get(target).copied(),
+                    soft_core::price(target, &p),
+                    "{} on {target}",
+                    point.name
+                );
+            }
+        }
     }
 
     #[test]
