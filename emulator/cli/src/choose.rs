@@ -148,7 +148,8 @@ pub(super) fn run(args: &ChooseArgs) -> Result<(), Failure> {
     if args.json {
         let result = json!({
             "profile": output.display().to_string(), "psnr_db": args.psnr, "budget": args.budget, "clock": clock.name(),
-            "softcore": { "core": machine.name(), "unit": machine.unit() }, "scenes": args.scene, "against": args.against.to_string(), "candidates": count, "measured": measured.len(),
+            "softcore": { "core": machine.name(), "unit": machine.unit() },
+            "scenes": args.scene, "against": args.against.to_string(), "candidates": count, "measured": measured.len(),
             "chosen": as_json(&chosen), "next_cheaper": next.as_ref().map(as_json),
         });
         writeln!(out, "{result:#}")?;
