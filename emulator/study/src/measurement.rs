@@ -24,7 +24,7 @@ use crate::frames::{FrameFigures, Judge};
 use crate::hardware::HardwareFigures;
 use crate::host::{self, Machine, Pass, Rounds, TimedFragments, Timing};
 use crate::stability::Float;
-use crate::{StudyError, Subject, soft_core, stability};
+use crate::{StudyError, Subject, stability};
 
 pub use parts::Parts;
 pub use results::*;
@@ -182,7 +182,6 @@ pub fn run(
         settings: settings.clone(),
         seeds: "random fragments: SplitMix64 of the set's name `random` and the index; stability: of the case's name"
             .into(),
-        soft_core_rustc: soft_core::rustc().into(),
         points,
         modes,
         floats,

@@ -12,9 +12,8 @@ use std::path::{Path, PathBuf};
 use roughxel_html_report::html::{Page, Text};
 use roughxel_utilities::output::OutputFile;
 
-use crate::StudyError;
 use crate::measurement::Study;
-use crate::stability;
+use crate::{StudyError, soft_core, stability};
 
 pub use tables::{markdown, profiles};
 pub use verdict::{BUYS_SOMETHING_DB, KnobGain, knob_gains};
@@ -91,7 +90,7 @@ fn page(study: &Study, pictures: &Pictures) -> String {
         Text(&machine.lanes),
         Text(&machine.program),
         Text(&machine.rustc),
-        Text(&study.soft_core_rustc),
+        Text(soft_core::rustc()),
         Text(&study.seeds),
     ));
 

@@ -49,10 +49,10 @@ fn run(settings: &Settings, parts: &Parts) -> (Study, usize) {
 
 /// Extracts the results that do not depend on the machine.
 fn exact(study: &Study) -> String {
-    let of_points = study.points.iter().map(|point| {
-        let on_soft_cores = (&point.soft_core, &point.soft_core_clocks);
-        format!("{:?} {:?} {:?} {:?} {on_soft_cores:?}", point.stages, point.wrong, point.frames, point.hardware)
-    });
+    let of_points = study
+        .points
+        .iter()
+        .map(|point| format!("{:?} {:?} {:?} {:?}", point.stages, point.wrong, point.frames, point.hardware));
     let of_floats = study.floats.iter().map(|float| format!("{:?} {:?} {:?}", float.stages, float.wrong, float.psnr));
     let of_modes = study.modes.iter().map(|mode| format!("{:?}", mode.frames));
     let all: Vec<String> = of_points.chain(of_floats).chain(of_modes).collect();

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use roughxel_core::knob::Knob;
+use roughxel_core::precision::Precision;
 use roughxel_utilities::input::open_file;
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +14,7 @@ use crate::StudyError;
 use crate::frames::FrameFigures;
 use crate::hardware::HardwareFigures;
 use crate::host::{Machine, Timing};
-use crate::soft_core::{self, Price};
+use crate::soft_core;
 use crate::stability::HardCase;
 
 /// Value of `schema`.
@@ -30,8 +31,6 @@ pub struct Study {
     pub settings: Settings,
     /// Source of the random numbers.
     pub seeds: String,
-    /// The compiler of the programs whose instructions and clocks are known.
-    pub soft_core_rustc: String,
     /// Each setting of the knobs.
     pub points: Vec<Point>,
     /// Frames without footprints, and with several samples.
@@ -100,15 +99,10 @@ pub struct Point {
     pub hardware: Option<HardwareFigures>,
     /// Time on the host.
     pub host: HostFigures,
-    /// The reflection datapath on small processors, by target; a setting that was not priced is missing.
-    pub soft_core: BTreeMap<String, Price>,
-    /// Predicted clocks of a fragment by soft core; empty in a study that has none.
-    #[serde(default)]
-    pub soft_core_clocks: BTreeMap<String, f64>,
 }
 
 impl Point {
-    /// A setting with its figures and its known prices.
+    /// A setting with its figures.
     pub(super) fn new(
         setting: &Setting,
         stages: Vec<StageFigures>,
@@ -119,8 +113,6 @@ impl Point {
     ) -> Self {
         let p = &setting.precision;
         let knob = |knob: Knob| (knob.name().into(), knob.text(knob.value_in(p)).to_string());
-        let price = |target: &&str| Some(((*target).into(), soft_core::price(target, p)?));
-        let clocks = |core: &soft_core::Core| Some((core.name.clone(), soft_core::clocks(&core.name, p)?));
         Self {
             name: setting.name.clone(),
             knob: setting.knob.map(|(knob, _)| knob.name().into()),
@@ -131,9 +123,19 @@ impl Point {
             frames,
             hardware,
             host,
-            soft_core: soft_core::TARGETS.iter().filter_map(price).collect(),
-            soft_core_clocks: soft_core::cores().iter().filter_map(clocks).collect(),
         }
+    }
+
+    /// Setting of the knobs; `None` if this program has not these knobs and values.
+    pub fn precision(&self) -> Option<Precision> {
+        Knob::ALL
+            .into_iter()
+            .try_fold(Precision::STANDARD, |p, knob| Some(knob.with(knob.read(self.knobs.get(knob.name())?)?, p)))
+    }
+
+    /// Cost of a fragment on a small processor, as this program knows it: a study does not measure it.
+    pub fn cost_on(&self, machine: soft_core::Machine) -> Option<f64> {
+        machine.fragment(&self.precision()?)
     }
 
     /// Errors of a stage.

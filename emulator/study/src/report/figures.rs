@@ -63,7 +63,7 @@ pub(super) fn cost(point: &Point, clock: Clock) -> Option<f64> {
     match clock {
         Clock::Host => mean(point.host.frames.values().map(|timing| timing.ratio)),
         Clock::Hardware => point.hardware.as_ref().map(|hardware| hardware.full_adders as f64),
-        Clock::SoftCore => point.soft_core_clocks.get(soft_core::CORE).copied(),
+        Clock::SoftCore => point.cost_on(soft_core::Machine::default()),
         Clock::Memory => mean(point.frames.iter().map(|frame| frame.texels)),
     }
 }

@@ -9,7 +9,7 @@ use crate::choose::Clock;
 use crate::frames::FrameFigures;
 use crate::host::Timing;
 use crate::measurement::{Point, Study};
-use crate::soft_core;
+use crate::soft_core::{self, Machine};
 
 /// The settings with a name of their own, narrowest first.
 pub(super) fn named(study: &Study) -> impl Iterator<Item = &Point> {
@@ -113,14 +113,10 @@ fn clock_rows(study: &Study) -> Vec<Vec<String>> {
         "hardware: 10⁶ fragments a second, a register behind every unit (estimate)",
         hardware(|h| format!("{:.0}", h.clock_mhz_estimate)),
     ));
-    for core in soft_core::SHOWN_CORES {
-        rows.push(row(study, &format!("soft core {core}: clocks a fragment"), |point| {
-            point.soft_core_clocks.get(core).map_or_else(|| "–".into(), |clocks| grouped(clocks.round() as u64))
-        }));
-    }
-    for target in soft_core::TARGETS {
-        rows.push(row(study, &format!("soft core {target}: instructions a fragment"), |point| {
-            point.soft_core.get(target).map_or_else(|| "–".into(), |price| grouped(price.instructions.round() as u64))
+    let shown = soft_core::SHOWN_CORES.map(Machine::Core).into_iter();
+    for machine in shown.chain(soft_core::TARGETS.map(Machine::Processor)) {
+        rows.push(row(study, &format!("soft core {}: {} a fragment", machine.name(), machine.unit()), |point| {
+            point.cost_on(machine).map_or_else(|| "–".into(), |cost| grouped(cost.round() as u64))
         }));
     }
     rows.push(row(study, "memory: texels a pixel, mean of the scenes", |point| {

@@ -6,7 +6,7 @@ use roughxel_core::precision::Precision;
 use super::figures::{CLOCKS, Table, cost, grouped, power, worst_psnr};
 use crate::choose::{Aim, Candidate, Clock, choose};
 use crate::measurement::{Point, Study, base_of};
-use crate::soft_core;
+use crate::soft_core::{self, Machine};
 
 /// Least change of a scene's PSNR, dB, that counts as a gain from a knob.
 pub const BUYS_SOMETHING_DB: f64 = 0.5;
@@ -18,7 +18,7 @@ pub(super) fn choices(study: &Study) -> Table {
         .iter()
         .filter_map(|point| {
             Some(Candidate {
-                precision: precision(point)?,
+                precision: point.precision()?,
                 name: Some(point.name.clone()),
                 psnr: worst_psnr(point).unwrap_or(f64::INFINITY),
                 cost: CLOCKS.map(|(clock, _)| cost(point, clock)),
@@ -45,13 +45,6 @@ pub(super) fn choices(study: &Study) -> Table {
         row
     });
     (headings, rows.into())
-}
-
-/// The knobs of a point; `None` if one is missing or has no such value.
-fn precision(point: &Point) -> Option<Precision> {
-    Knob::ALL
-        .into_iter()
-        .try_fold(Precision::STANDARD, |p, knob| Some(knob.with(knob.read(point.knobs.get(knob.name())?)?, p)))
 }
 
 /// Host cost of kept bits alone within each word width: times of fragments in lanes with their noise, without those measured
@@ -106,7 +99,7 @@ pub(super) fn bit_prices(study: &Study) -> Vec<String> {
     };
     let on_host = sentence("On the host", "the time of a fragment in lanes", &|point| Some(point.host.lanes.ratio));
     let [cached, uncached, smallest] = soft_core::SHOWN_CORES;
-    let on = |core: &'static str| move |point: &Point| point.soft_core_clocks.get(core).copied();
+    let on = |core: &'static str| move |point: &Point| point.cost_on(Machine::Core(core));
     let elsewhere = [
         sentence("In hardware", "the full adders", &|point| cost(point, Clock::Hardware)),
         sentence("In hardware", "the gate levels", &|point| Some(f64::from(point.hardware.as_ref()?.levels))),
@@ -167,7 +160,7 @@ pub fn knob_gains(study: &Study) -> Vec<KnobGain> {
 pub(super) fn curve(study: &Study, knob: Knob) -> Vec<(u32, &Point)> {
     let of = |&value: &u32| {
         let wanted = knob.with(value, base_of(knob));
-        Some((value, study.points.iter().find(|point| precision(point) == Some(wanted))?))
+        Some((value, study.points.iter().find(|point| point.precision() == Some(wanted))?))
     };
     knob.values().iter().filter_map(of).collect()
 }
@@ -243,30 +236,13 @@ mod tests {
         let (study, settings) = (kept(), settings());
         for point in &study.points {
             let setting = settings.iter().find(|setting| setting.name == point.name).expect("a known setting");
-            assert_eq!(precision(point), Some(setting.precision), "{}", point.name);
+            assert_eq!(point.precision(), Some(setting.precision), "{}", point.name);
+            let cost = soft_core::clocks(soft_core::CORE, &setting.precision);
+            assert!(cost.is_some() && point.cost_on(Machine::default()) == cost, "{}", point.name);
         }
         let mut unknown = study.points[0].clone();
         unknown.knobs.insert(Knob::Direction.name().into(), "upwards".into());
-        assert_eq!(precision(&unknown), None);
-    }
-
-    #[test]
-    fn costs_on_soft_cores_in_the_kept_study_are_those_of_the_table() {
-        for point in kept().points {
-            let p = precision(&point).expect("a known setting");
-            for core in soft_core::cores() {
-                let kept = point.soft_core_clocks.get(&core.name).copied();
-                assert_eq!(kept, soft_core::clocks(&core.name, &p), "{} on {}", point.name, core.name);
-            }
-            for target in soft_core::TARGETS {
-                assert_eq!(
-                    point.soft_core.get(target).copied(),
-                    soft_core::price(target, &p),
-                    "{} on {target}",
-                    point.name
-                );
-            }
-        }
+        assert_eq!((unknown.precision(), unknown.cost_on(Machine::default())), (None, None));
     }
 
     #[test]
