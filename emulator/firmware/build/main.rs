@@ -19,16 +19,17 @@ REGION_ALIAS(\"REGION_STACK\", RAM);
 ";
 
 /// Programs that run without a start-up library, on soft cores that lack the registers such a library writes.
-const BARE: [&str; 2] = ["clocks", "latencies"];
-/// Memory of these programs: block RAM of a soft core, at the place of QEMU's.
-const BARE_LAYOUT: &str = "ENTRY(_bare)
+const BARE: [&str; 3] = ["clocks", "latencies", "tile"];
+/// Memory of these programs, behind a line that defines its first address `_origin`.
+const BARE_LAYOUT: &str = "
+ENTRY(_bare)
 SECTIONS {
-    . = 0x80000000;
+    . = _origin;
     .text : { *(.start) *(.text .text.*) }
     .rodata : { *(.rodata .rodata.* .srodata .srodata.*) }
     .data : { *(.data .data.* .sdata .sdata.*) }
     .bss : { *(.bss .bss.* .sbss .sbss.*) }
-    _stack_top = 0x80040000;
+    _stack_top = _origin + 0x40000;
     /DISCARD/ : { *(.init .init.*) *(.trap .trap.*) }
 }
 ";
@@ -56,7 +57,10 @@ fn main() {
             }
             println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
         }
-        fs::write(out.join("bare.x"), BARE_LAYOUT).expect("it can be written");
+        println!("cargo:rerun-if-env-changed=ROUGHXEL_ORIGIN");
+        // Without a wish their memory lies where QEMU's does.
+        let origin = env::var("ROUGHXEL_ORIGIN").unwrap_or_else(|_| "0x80000000".into());
+        fs::write(out.join("bare.x"), format!("_origin = {origin};{BARE_LAYOUT}")).expect("it can be written");
         for program in BARE {
             println!("cargo:rustc-link-arg-bin={program}=-Tbare.x");
         }

@@ -10,7 +10,7 @@ use crate::cores::{self, CORES, Core};
 use crate::latencies::Latencies;
 use crate::measure::{self, ALL_EFFECTS, IN_A_BATCH, Numbers, PROBE};
 use crate::target::{self, Target};
-use crate::{Failure, image, predict, price};
+use crate::{Failure, image, predict, price, system};
 
 /// Columns of the table: plan and profile of a program. f32 has no profile.
 const COLUMNS: [(&str, &str, &str); 7] = [
@@ -182,7 +182,7 @@ impl Kept {
                 let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
             }
         }
-        Ok(text)
+        Ok(text + &system::table(&self.0[system::KEY])?)
     }
 
     /// Relative error of a predicted number of clocks.
@@ -226,9 +226,9 @@ pub fn run(only: Option<&str>, predict: bool) -> Result<(), Failure> {
         }
     }
     if !measured.is_empty() {
-        cores::install()?;
+        cores::install_sources()?;
         if only.is_none() {
-            kept.0 = json!({ "counts": kept.0["counts"] });
+            kept.0 = json!({ "counts": kept.0["counts"], system::KEY: kept.0[system::KEY] });
         }
         kept.0["tools"] = [compiler].into_iter().chain(cores::tools()?).collect();
     }
@@ -259,6 +259,13 @@ pub fn run(only: Option<&str>, predict: bool) -> Result<(), Failure> {
         }
     }
     progress.finish_and_clear();
+    kept.write()
+}
+
+/// Keeps other measures under a key, and writes the table.
+pub fn keep(key: &str, measures: Value) -> Result<(), Failure> {
+    let mut kept = Kept::read()?;
+    kept.0[key] = measures;
     kept.write()
 }
 

@@ -182,11 +182,21 @@ pub const CORES: [Core; 12] = [
 /// Clocks after which a program is given up.
 const LIMIT: &str = "4000000000";
 
+/// Verilator with its version.
+pub fn verilator() -> Result<String, Failure> {
+    let verilator = tool(Command::new("verilator").arg("--version"), "it is in the Debian package verilator")?;
+    Ok(verilator.trim().into())
+}
+
 /// Versions of the tools that measure.
 pub fn tools() -> Result<Vec<String>, Failure> {
-    let verilator = tool(Command::new("verilator").arg("--version"), "it is in the Debian package verilator")?;
-    let packages = PACKAGES.map(|(name, version)| format!("pythondata-cpu-{name} {version}"));
-    Ok([verilator.trim().into()].into_iter().chain(packages).collect())
+    let packages = packages().map(|(name, version)| format!("{name} {version}"));
+    Ok([verilator()?].into_iter().chain(packages).collect())
+}
+
+/// Packages of the cores' sources by their whole names.
+fn packages() -> [(String, &'static str); 4] {
+    PACKAGES.map(|(name, version)| (format!("pythondata-cpu-{name}"), version))
 }
 
 /// Folder for packages, models and programs.
@@ -205,18 +215,23 @@ pub fn tool(command: &mut Command, remedy: &str) -> Result<String, Failure> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Installs the packages that are not there yet.
-pub fn install() -> Result<(), Failure> {
-    let python = folder().join("python");
-    let is_missing =
-        |(name, version): &&(&str, &str)| !python.join(format!("pythondata_cpu_{name}-{version}.dist-info")).exists();
-    let missing = PACKAGES.iter().filter(is_missing).map(|(name, version)| format!("pythondata-cpu-{name}=={version}"));
+/// Installs the sources of the cores.
+pub fn install_sources() -> Result<(), Failure> {
+    install(&folder().join("python"), &packages())
+}
+
+/// Installs Python packages that are not in a folder yet.
+pub fn install(python: &Path, packages: &[(String, &str)]) -> Result<(), Failure> {
+    let is_missing = |(name, version): &&(String, &str)| {
+        !python.join(format!("{}-{version}.dist-info", name.replace('-', "_"))).exists()
+    };
+    let missing = packages.iter().filter(is_missing).map(|(name, version)| format!("{name}=={version}"));
     let missing: Vec<String> = missing.collect();
     if missing.is_empty() {
         return Ok(());
     }
     let mut pip = Command::new("python3");
-    pip.args(["-m", "pip", "install", "--quiet", "--upgrade", "--target"]).arg(&python).args(missing);
+    pip.args(["-m", "pip", "install", "--quiet", "--upgrade", "--target"]).arg(python).args(missing);
     tool(&mut pip, "it is in the Debian package python3-pip").map(|_| ())
 }
 

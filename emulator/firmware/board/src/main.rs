@@ -11,6 +11,7 @@ mod latencies;
 mod measure;
 mod predict;
 mod price;
+mod system;
 mod target;
 mod vectors;
 
@@ -41,6 +42,10 @@ cargo firmware clocks [--core NAME] [--predict]
     and of a probe, and the clocks that the kinds predict: emulator/firmware/clocks.json, and a part of PRICE.md. The cores are Python
     packages, which pip installs below emulator/firmware/target. A quarter of an hour on two cores.
     --core: one core; the rows of the others stay. --predict: predictions from the kept clocks of instructions, without Verilator.
+cargo firmware system
+    Runs programs and the tile in LiteX systems in Verilator: VexRiscv with caches, the bus, a model of an SDRAM. It writes clocks and a
+    part of PRICE.md. Python packages come by pip; compiling needs Debian's libevent-dev libjson-c-dev zlib1g-dev. Twenty
+    minutes on two cores.
 
 Targets: riscv32imac, riscv32i, thumbv7m (QEMU machines), aarch64, s390x (user-mode emulation).
 Rust's targets come from rustup. If it has none, they are built from the sources of the distribution's compiler (Debian: rustc-web
@@ -107,6 +112,10 @@ fn run() -> Result<(), Failure> {
                 (false, _) => price::run(quick, file),
             }
         }
+        Some("system") => match arguments.next() {
+            None => system::run(),
+            Some(other) => Err(usage(format!("system has no argument {other}"))),
+        },
         Some("--help" | "-h") => {
             println!("{HELP}");
             Ok(())

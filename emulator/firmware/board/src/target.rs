@@ -25,6 +25,9 @@ pub enum Target {
     S390X,
 }
 
+/// First address of QEMU's memory.
+const ORIGIN: u32 = 0x8000_0000;
+
 /// Folder of the crate of the programs.
 pub fn firmware() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the board is inside the firmware folder").to_path_buf()
@@ -153,13 +156,22 @@ impl Target {
     /// Builds a program of the firmware for a plan and an accuracy, and returns its path. `build/plan.rs` reads the plan; a feature of the core and
     /// `/` may stand before it. An accuracy is a profile, followed by the knobs that differ from it.
     pub fn build(self, program: &str, plan: &str, accuracy: &str) -> Result<PathBuf, Failure> {
-        Self::build_each(&[self], program, plan, accuracy)?;
+        self.build_at(ORIGIN, program, plan, accuracy)
+    }
+
+    /// Builds a program whose memory begins at an address, as far as `build/main.rs` lets it choose.
+    pub fn build_at(self, origin: u32, program: &str, plan: &str, accuracy: &str) -> Result<PathBuf, Failure> {
+        Self::build_some(&[self], origin, program, plan, accuracy)?;
         Ok(self.place(program))
     }
 
     /// Builds a program for several targets in parallel. A program is one unit of one compiler, which keeps one processor busy. Each program is at
     /// its [`place`](Self::place).
     pub fn build_each(targets: &[Self], program: &str, plan: &str, accuracy: &str) -> Result<(), Failure> {
+        Self::build_some(targets, ORIGIN, program, plan, accuracy)
+    }
+
+    fn build_some(targets: &[Self], origin: u32, program: &str, plan: &str, accuracy: &str) -> Result<(), Failure> {
         let (given, made): (Vec<Self>, Vec<Self>) = targets.iter().partition(|target| rustup_has(target.triple()));
         let (profile, knobs) = accuracy.split_once(' ').unwrap_or((accuracy, ""));
         for (targets, is_given) in [(given, true), (made, false)] {
@@ -172,7 +184,8 @@ impl Target {
                 .args(["build", "--release", "--locked", "--quiet", "--bin", program, "--target-dir"])
                 .arg(built())
                 .env("ROUGHXEL_PROFILE", profile)
-                .env("ROUGHXEL_KNOBS", knobs);
+                .env("ROUGHXEL_KNOBS", knobs)
+                .env("ROUGHXEL_ORIGIN", format!("{origin:#x}"));
             match plan.split_once('/') {
                 Some((feature, plan)) => cargo.args(["--features", feature]).env("ROUGHXEL_PLAN", plan),
                 None => cargo.env("ROUGHXEL_PLAN", plan),
