@@ -30,12 +30,41 @@ const SIZES: [[u32; 2]; 12] = [
     [1920, 1080],
 ];
 
-/// Families with their names on the page, and of their cells.
-const FAMILIES: [(Target, &str, [&str; 6]); 4] = [
-    (Target::Ecp5, "Lattice ECP5", ["LUT4", "CCU2C", "MULT18X18D", "DPR16X4", "DP16KD", "FF"]),
-    (Target::Ice40, "Lattice iCE40", ["SB_LUT4", "SB_CARRY", "SB_MAC16", "–", "SB_RAM40", "FF"]),
-    (Target::Gowin, "Gowin GW2A", ["LUT", "ALU", "MULT18X18", "RAM16", "BSRAM", "FF"]),
-    (Target::Xc7, "AMD 7 series (synthesis)", ["LUT", "CARRY4", "DSP48E1", "RAM, SRL", "RAMB", "FF"]),
+/// Family on the page.
+struct Family {
+    target: Target,
+    title: &'static str,
+    /// What devices of the family have, by their data sheets.
+    holds: &'static str,
+    /// Names of its cells.
+    cells: [&'static str; 6],
+}
+
+const FAMILIES: [Family; 4] = [
+    Family {
+        target: Target::Ecp5,
+        title: "Lattice ECP5",
+        holds: "An LFE5U-25F has 24 288 LUT4, 28 MULT18X18D and 56 DP16KD.",
+        cells: ["LUT4", "CCU2C", "MULT18X18D", "DPR16X4", "DP16KD", "FF"],
+    },
+    Family {
+        target: Target::Ice40,
+        title: "Lattice iCE40",
+        holds: "An iCE40UP5K has 5280 SB_LUT4, 8 SB_MAC16 and 30 SB_RAM40.",
+        cells: ["SB_LUT4", "SB_CARRY", "SB_MAC16", "–", "SB_RAM40", "FF"],
+    },
+    Family {
+        target: Target::Gowin,
+        title: "Gowin GW2A",
+        holds: "A GW2A-18 has 20 736 LUT, 48 MULT18X18 and 46 BSRAM.",
+        cells: ["LUT", "ALU", "MULT18X18", "RAM16", "BSRAM", "FF"],
+    },
+    Family {
+        target: Target::Xc7,
+        title: "AMD 7 series (synthesis)",
+        holds: "An XC7A15T has 10 400 LUT and 45 DSP48E1, an XC7A35T 20 800 and 90.",
+        cells: ["LUT", "CARRY4", "DSP48E1", "RAM, SRL", "RAMB", "FF"],
+    },
 ];
 
 /// Path of the page.
@@ -94,10 +123,10 @@ pub fn text(results: &Results) -> String {
          ![Error of s, t against lookup tables of an ECP5](floorplan.svg)\n",
         tools.join("; ")
     );
-    for (target, title, names) in FAMILIES {
+    for Family { target, title, holds, cells: names } in FAMILIES {
         let cells: Vec<&CellResult> = results.cells.values().filter(|cell| cell.target == target.name()).collect();
         if !cells.is_empty() {
-            let _ = write!(text, "\n## {title}\n\n{}", family(target, names, cells));
+            let _ = write!(text, "\n## {title}\n\n{holds}\n\n{}", family(target, names, cells));
         }
     }
     if !results.float_units.is_empty() {
