@@ -238,7 +238,10 @@ mod tests {
             let setting = settings.iter().find(|setting| setting.name == point.name).expect("a known setting");
             assert_eq!(point.precision(), Some(setting.precision), "{}", point.name);
             let cost = soft_core::clocks(soft_core::CORE, &setting.precision);
-            assert!(cost.is_some() && point.cost_on(Machine::default()) == cost, "{}", point.name);
+            assert_eq!(point.cost_on(Machine::default()), cost, "{}", point.name);
+            // Other seeds are measured without Newton steps, and priced with them.
+            let is_seed = matches!(setting.knob, Some((Knob::ReciprocalSeedBits | Knob::InverseRootSeedBits, _)));
+            assert!(cost.is_some() || is_seed, "{}", point.name);
         }
         let mut unknown = study.points[0].clone();
         unknown.knobs.insert(Knob::Direction.name().into(), "upwards".into());
