@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 use roughxel_core::knob::Knob;
 use roughxel_core::precision::Precision;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 /// The processors, all without an operating system.
 pub const TARGETS: [&str; 3] = ["riscv32imac", "riscv32i", "thumbv7m"];
@@ -23,7 +23,7 @@ pub const CORE: &str = "vexriscv-standard";
 pub const SHOWN_CORES: [&str; 3] = [CORE, "ibex-small", "picorv32"];
 
 /// Cost of a fragment, from its surface to the probes on an environment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct Price {
     /// Instructions, a mean over the fragments of one tile; they are not cycles.
     pub instructions: f64,

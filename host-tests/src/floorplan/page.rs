@@ -34,7 +34,7 @@ const SIZES: [[u32; 2]; 12] = [
 struct Family {
     target: Target,
     title: &'static str,
-    /// What devices of the family have, by their data sheets.
+    /// Resources of devices by their data sheets.
     holds: &'static str,
     /// Names of its cells.
     cells: [&'static str; 6],

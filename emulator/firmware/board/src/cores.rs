@@ -8,8 +8,15 @@ use crate::measure::{self, Numbers};
 use crate::target::{self, Target};
 
 /// Python packages of the cores' sources, with their versions.
-const PACKAGES: [(&str, &str); 4] =
-    [("picorv32", "1.0.post218"), ("vexriscv", "1.0.1.post407"), ("serv", "1.2.0.post146"), ("ibex", "0.0.post2937")];
+const PACKAGES: [(&str, &str); 4] = [
+    ("pythondata-cpu-picorv32", "1.0.post218"),
+    VEXRISCV,
+    ("pythondata-cpu-serv", "1.2.0.post146"),
+    ("pythondata-cpu-ibex", "0.0.post2937"),
+];
+
+/// Package of VexRiscv, which systems have, too.
+pub const VEXRISCV: (&str, &str) = ("pythondata-cpu-vexriscv", "1.0.1.post407");
 
 /// Sources of Ibex: packages in their order, and folders.
 const IBEX: &[&str] = &[
@@ -190,13 +197,8 @@ pub fn verilator() -> Result<String, Failure> {
 
 /// Versions of the tools that measure.
 pub fn tools() -> Result<Vec<String>, Failure> {
-    let packages = packages().map(|(name, version)| format!("{name} {version}"));
+    let packages = PACKAGES.map(|(name, version)| format!("{name} {version}"));
     Ok([verilator()?].into_iter().chain(packages).collect())
-}
-
-/// Packages of the cores' sources by their whole names.
-fn packages() -> [(String, &'static str); 4] {
-    PACKAGES.map(|(name, version)| (format!("pythondata-cpu-{name}"), version))
 }
 
 /// Folder for packages, models and programs.
@@ -217,12 +219,12 @@ pub fn tool(command: &mut Command, remedy: &str) -> Result<String, Failure> {
 
 /// Installs the sources of the cores.
 pub fn install_sources() -> Result<(), Failure> {
-    install(&folder().join("python"), &packages())
+    install(&folder().join("python"), &PACKAGES)
 }
 
 /// Installs Python packages that are not in a folder yet.
-pub fn install(python: &Path, packages: &[(String, &str)]) -> Result<(), Failure> {
-    let is_missing = |(name, version): &&(String, &str)| {
+pub fn install(python: &Path, packages: &[(&str, &str)]) -> Result<(), Failure> {
+    let is_missing = |(name, version): &&(&str, &str)| {
         !python.join(format!("{}-{version}.dist-info", name.replace('-', "_"))).exists()
     };
     let missing = packages.iter().filter(is_missing).map(|(name, version)| format!("{name}=={version}"));

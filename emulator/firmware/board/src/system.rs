@@ -17,7 +17,7 @@ const PACKAGES: [(&str, &str); 6] = [
     ("litex", "2024.12"),
     ("litedram", "2024.12"),
     ("migen", "0.10.0"),
-    ("pythondata-cpu-vexriscv", "1.0.1.post407"),
+    cores::VEXRISCV,
     ("pythondata-misc-tapcfg", "0.0.post517"),
     // Migen reads versions with a module that later ones have dropped.
     ("setuptools", "75.8.0"),
@@ -118,7 +118,7 @@ impl System {
 /// Simulates all systems, and writes measures and table.
 pub fn run() -> Result<(), Failure> {
     let python = folder().join("python");
-    cores::install(&python, &PACKAGES.map(|(name, version)| (name.into(), version)))?;
+    cores::install(&python, &PACKAGES)?;
     let programs: Vec<Program> = COLUMNS.into_iter().map(build).collect::<Result<_, _>>()?;
     let progress = measure::progress(SYSTEMS.len())?;
     let mut measures = BTreeMap::new();
