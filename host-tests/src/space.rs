@@ -1,10 +1,5 @@
 //! Domain of a test's claim: every named profile, every plan, any bits at the ports.
 
-use std::cell::Cell;
-use std::fs::File;
-use std::io::Write;
-use std::path::Path;
-
 use fixed::types::{I2F30, I4F28};
 use roughxel_core::plan::{
     Datapath, Effects, FootprintKind, FrameSystem, HorizonKind, PeakPlan, ReflectionPlan, SurfacePlan,
@@ -20,32 +15,9 @@ const FOOTPRINTS: [FootprintKind; 3] = [FootprintKind::None, FootprintKind::Face
 const HORIZONS: [HorizonKind; 3] = [HorizonKind::None, HorizonKind::Correlated, HorizonKind::Product];
 const ROUGHNESS: [RoughnessKind; 3] = [RoughnessKind::None, RoughnessKind::Isotropic, RoughnessKind::Anisotropic];
 
-/// Returns true if tests run over their whole domain: set by `cargo full`. Otherwise they run over a part that is quick.
-///
-/// With `ROUGHXEL_ASKED`, the name of the test that asks is appended once to that file: a test that is not in it has nothing more to try.
-///
-/// # Panics
-///
-/// If `ROUGHXEL_ASKED` is set and the caller is not on a test's own thread, or if the file cannot be written.
+/// Returns true if tests run over their whole domain: set by `cargo full`. Otherwise they run over a part of it that is quick.
 pub fn is_full_run() -> bool {
-    if let Some(file) = std::env::var_os("ROUGHXEL_ASKED") {
-        keep_name(Path::new(&file));
-    }
     std::env::var_os("ROUGHXEL_FULL").is_some()
-}
-
-fn keep_name(file: &Path) {
-    thread_local! {
-        static KEPT: Cell<bool> = const { Cell::new(false) };
-    }
-    if KEPT.replace(true) {
-        return;
-    }
-    let thread = std::thread::current();
-    // A test's thread has the test's name, which is below a module. Other threads have no name, or that of a program.
-    let test = thread.name().filter(|name| name.contains("::")).expect("how much to try is asked on a test's thread");
-    let kept = File::options().create(true).append(true).open(file);
-    kept.and_then(|mut kept| kept.write_all(format!("{test}\n").as_bytes())).expect("names of tests are kept");
 }
 
 /// Returns the amount that a test tries: `all` in a full run, otherwise `part`.

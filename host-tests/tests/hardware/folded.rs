@@ -249,7 +249,7 @@ fn folded_designs_lint_clean_and_give_the_scalar_bits_in_icarus() {
         let profiles = profiles().into_iter().flat_map(|(profile, _)| PLANS.map(|(_, effects)| (profile, effects)));
         let cells = [(1, Target::Asic), (2, Target::Asic), (8, Target::Asic), (8, Target::Xc7), (32, Target::Asic)];
         let cells = |(profile, effects)| cells.map(|(multipliers, target)| (profile, effects, multipliers, target));
-        cases = profiles.flat_map(cells).collect();
+        cases.extend(profiles.flat_map(cells));
     }
     cases.into_par_iter().for_each(|(profile, effects, multipliers, target)| {
         let options = Options { target, ..folded_options(profile, effects, multipliers) };

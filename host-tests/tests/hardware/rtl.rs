@@ -318,16 +318,15 @@ fn the_committed_vectors_run_in_both_simulators() {
         }
     }
     assert!(read >= 3000, "{read} vectors");
-    let all = is_full_run();
     cases.into_par_iter().for_each(|(design, options, case)| {
         println!("{} {} {:?}: {} vectors", design.name(), options.profile, options.effects, case.inputs.len());
         if have("iverilog") {
             case.written.icarus(&case.bench());
         }
-        // The effects that other tests verilate, too.
-        let is_full_run = options.profile == "standard"
+        // Other tests verilate these effects, too, so the model is built once. They verilate other effects as well.
+        let is_shared = options.profile == "standard"
             && options.effects == FULL.restricted_to(design.datapath().expect("a datapath"));
-        if have("verilator") && (all || is_full_run) {
+        if have("verilator") && is_shared {
             case.verilate(&["stalls"]);
         }
     });
@@ -339,7 +338,7 @@ fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
         return;
     }
     let quick = [Design::Highlight, Design::LitPeak, Design::Texture];
-    let mut cases = Vec::new();
+    let mut cases = vec![(Design::EnvironmentProbe, 2000, options("compact", FULL, Some(24)))];
     for design in Design::ALL.iter().copied().filter(|&design| design != Design::Reflection) {
         if is_full_run() || quick.contains(&design) {
             cases.push((design, whole_or(20_000, 2000), options("standard", FULL, None)));
@@ -352,8 +351,6 @@ fn verilated_designs_plans_and_pipelines_give_the_scalar_bits() {
             }
             cases.push((Design::for_datapath(datapath), 10_000, options("compact", FULL, Some(24))));
         }
-    } else {
-        cases.push((Design::EnvironmentProbe, 2000, options("compact", FULL, Some(24))));
     }
     // One compiler on one processor takes most of their time.
     cases.into_par_iter().for_each(|(design, count, options)| {
@@ -431,7 +428,7 @@ fn yosys_takes_every_top() {
         let script = format!("read_verilog *.v; hierarchy -check -top {module}; proc; check -assert");
         run(Command::new("yosys").args(["-q", "-p", &script]).current_dir(written.path()));
     };
-    for (profile, _) in profiles().into_iter().filter(|_| is_full_run()) {
+    for profile in Profile::NAMES.into_iter().filter(|_| is_full_run()) {
         for design in
             [Design::Reflection, Design::Fragment, Design::Texture, Design::EnvironmentProbe, Design::TextureProbe]
         {
@@ -439,8 +436,10 @@ fn yosys_takes_every_top() {
         }
     }
     for (index, &design) in Design::ALL.iter().enumerate() {
-        let profile = whole_or("standard", Profile::NAMES[index % Profile::NAMES.len()]);
-        check(design, &options(profile, FULL, None));
+        let in_turn = Profile::NAMES[index % Profile::NAMES.len()];
+        for profile in whole_or(vec!["standard", in_turn], vec![in_turn]) {
+            check(design, &options(profile, FULL, None));
+        }
     }
     check(Design::Reflection, &options("compact", FULL, Some(24)));
 }
