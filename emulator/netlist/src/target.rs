@@ -63,8 +63,8 @@ impl Target {
     pub const fn folded_depth(self) -> u32 {
         match self {
             Self::Asic => 24,
-            Self::Ice40 => 6,
-            Self::Ecp5 | Self::Gowin => 7,
+            Self::Ice40 | Self::Ecp5 => 6,
+            Self::Gowin => 7,
             Self::Xc7 => 10,
         }
     }
@@ -74,7 +74,6 @@ impl Target {
     pub const fn flat_depth(self) -> Option<u32> {
         match self {
             Self::Asic => None,
-            Self::Ecp5 => Some(6),
             _ => Some(self.folded_depth()),
         }
     }

