@@ -330,4 +330,17 @@ fn cofactors(m: DMat3) -> DMat3 {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_the_winding_of_their_triangles() {
+        let strip = triangles(Mode::TriangleStrip, &[0, 1, 3, 2, 5]);
+        assert_eq!(strip, [[0, 1, 3], [3, 1, 2], [3, 2, 5]]);
+        assert_eq!(triangles(Mode::TriangleFan, &[7, 1, 2, 3]), [[7, 1, 2], [7, 2, 3]]);
+        assert_eq!(triangles(Mode::Triangles, &[0, 1, 2, 3]), [[0, 1, 2]]);
+        for mode in [Mode::TriangleStrip, Mode::TriangleFan, Mode::Triangles] {
+            assert!(triangles(mode, &[]).is_empty() && triangles(mode, &[1, 2]).is_empty());
+        }
+    }
+}

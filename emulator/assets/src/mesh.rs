@@ -11,8 +11,6 @@ mod obj;
 mod polygon;
 mod tangents;
 pub(crate) mod triangles;
-#[cfg(test)]
-mod tests;
 
 use std::io::Read as _;
 use std::path::Path;

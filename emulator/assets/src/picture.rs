@@ -33,8 +33,6 @@ mod texture;
 mod texture_file;
 mod tiff_file;
 mod webp_file;
-#[cfg(test)]
-mod tests;
 
 pub use colour::{ColourSpace, Transfer};
 pub use compare::{DIFFERENCE_GAIN, difference, ssim};

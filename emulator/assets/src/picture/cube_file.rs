@@ -74,6 +74,3 @@ fn decode(path: &Path, content: &Content<'_>, wishes: &Wishes) -> Result<CubeFil
     }
     Ok(CubeFile { faces, statement })
 }
-
-#[cfg(test)]
-mod tests;

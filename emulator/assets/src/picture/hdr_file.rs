@@ -285,6 +285,3 @@ fn linear([red, green, blue, exponent]: [u8; 4]) -> [f32; 3] {
     let scale = f64::from_bits((u64::from(exponent) + 1023 - 136) << 52);
     [red, green, blue].map(|mantissa| (f64::from(mantissa) * scale) as f32)
 }
-
-#[cfg(test)]
-mod tests;

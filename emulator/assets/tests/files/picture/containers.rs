@@ -5,10 +5,10 @@ fn words(all: &[u32]) -> Vec<u8> {
 }
 
 /// Caps2 of a cube map with all faces.
-pub(in crate::picture) const CUBE: u32 = 0xfe00;
+pub(crate) const CUBE: u32 = 0xfe00;
 
 /// A DDS header: 128 bytes, and 20 more for a DXGI format.
-pub(in crate::picture) fn dds_header(
+pub(crate) fn dds_header(
     [width, height]: [u32; 2],
     levels: u32,
     caps: u32,
@@ -31,7 +31,7 @@ pub(in crate::picture) fn dds_header(
 }
 
 /// A KTX2 file with one level, without key values.
-pub(in crate::picture) fn ktx2_file(
+pub(crate) fn ktx2_file(
     format: u32,
     type_size: u32,
     [width, height]: [u32; 2],

@@ -6,9 +6,9 @@ use roughxel_utilities::random::SplitMix64;
 
 use exr::prelude::f16;
 
-use super::*;
-use crate::picture::Transfer;
-use crate::picture::tests::containers::{CUBE, dds_header, ktx2_file};
+use roughxel_assets::picture::*;
+
+use super::picture::containers::{CUBE, dds_header, ktx2_file};
 
 /// A file of a test.
 struct Files(tempfile::TempDir);
@@ -76,7 +76,7 @@ fn codes_follow_the_transfer_function_that_the_file_names() {
     let files = Files::new();
     let level: Vec<u8> = (0..6).flat_map(|face| [10 * face, 128, 255, 7]).collect();
     let linear: Decode = |code| code / 255.0;
-    let srgb: Decode = |code| super::super::srgb_to_linear(f64::from(code) / 255.0) as f32;
+    let srgb: Decode = |code| srgb_to_linear(f64::from(code) / 255.0) as f32;
     // (bytes of the file, decoding of a code, says so); VK R8G8B8A8 UNORM is 37, SRGB 43; DXGI UNORM 28, SRGB 29.
     let unorm = |dxgi| [dds_header([1; 2], 1, CUBE, b"DX10", Some(dxgi)), level.clone()].concat();
     let cases: [(Vec<u8>, Decode); 5] = [

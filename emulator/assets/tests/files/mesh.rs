@@ -9,7 +9,7 @@ mod tangents;
 
 use std::path::Path;
 
-use super::{MeshError, ReadMesh, ReadOptions, parse_obj};
+use roughxel_assets::{MeshError, ReadMesh, ReadOptions, parse_obj};
 
 fn read(text: &str) -> Result<ReadMesh, MeshError> {
     parse_obj(Path::new("test.obj"), text, &ReadOptions::default())

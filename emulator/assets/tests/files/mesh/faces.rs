@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{message, read};
-use crate::mesh::{ReadOptions, parse_obj};
+use roughxel_assets::{ReadOptions, parse_obj};
 
 #[test]
 fn comments_continuations_and_line_ends_change_no_mesh() {

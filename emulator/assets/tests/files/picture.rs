@@ -1,13 +1,14 @@
 //! Pictures in all kinds of files, intact and damaged.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use exr::compression::Compression;
 use exr::prelude::{Encoding as ExrEncoding, WritableImage, f16};
 use png::{BitDepth, ColorType};
 
-use super::codes::decode_table;
-use super::*;
+use roughxel_assets::Picture;
+use roughxel_assets::picture::*;
 use roughxel_utilities::random::SplitMix64;
 
 mod colours;
@@ -141,8 +142,8 @@ fn the_srgb_curve_agrees_with_its_definition_at_every_16_bit_code() {
 fn writing_and_reading_returns_every_8_bit_code() -> TestResult {
     let directory = Directory::new()?;
     let path = directory.path("codes.png");
-    let table = decode_table(255, Transfer::Srgb);
-    let picture = Picture { width: 16, height: 16, pixels: table.iter().map(|value| [*value; 3]).collect() };
+    let value = |code| srgb_to_linear(f64::from(code) / 255.0) as f32;
+    let picture = Picture { width: 16, height: 16, pixels: (0..256).map(|code| [value(code); 3]).collect() };
     write_png_srgb(&path, &picture)?;
     assert_eq!(read_colours(&path)?, picture);
     // An existing file is replaced, and nothing else is left in the directory.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::read;
-use crate::mesh::ReadMesh;
+use roughxel_assets::ReadMesh;
 
 /// A roof over the x axis: two squares that meet at 90 degrees along y, and a third square next to the right one.
 const ROOF: &str =

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::{message, read};
-use crate::mesh::{ReadOptions, read_mesh};
+use roughxel_assets::{ReadOptions, read_mesh};
 
 const SQUARE: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 

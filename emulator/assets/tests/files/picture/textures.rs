@@ -3,7 +3,7 @@
 use super::containers::{CUBE, dds_header, ktx2_file};
 use super::formats::read_as;
 use super::*;
-use crate::picture::read_cube;
+use roughxel_assets::picture::read_cube;
 
 /// Bytes, `count` times over.
 fn times(bytes: &[u8], count: usize) -> Vec<u8> {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::mesh::{Mesh, ReadOptions, Tangents, Vertex, parse_obj};
+use roughxel_assets::{Mesh, ReadOptions, Tangents, Vertex, parse_obj};
 
 fn mikktspace(text: &str) -> Mesh {
     let options = ReadOptions { tangents: Tangents::MikkTSpace, ..ReadOptions::default() };
