@@ -220,6 +220,3 @@ fn background(
         )),
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -215,6 +215,3 @@ fn not_a_panorama(picture: &Picture, extent: &Extent) -> (String, &'static str) 
     };
     (format!("{message}; its width : height should be {:.2}", extent.ratio()), remedy)
 }
-
-#[cfg(test)]
-mod tests;

@@ -292,6 +292,3 @@ fn height_scale(arguments: &Arguments<'_>, frame: FrameSystem) -> Result<HeightS
         (Some(_), Some(_)) => Err(arguments.error("the height is given twice", "keep one of `scale` and `rms_slope`")),
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::*;
-use crate::cube::direction;
-use crate::scene::Scene;
+use roughxel_assets::Picture;
+use roughxel_scene::cube::direction;
+use roughxel_scene::*;
 
 type Vector = [f64; 3];
 

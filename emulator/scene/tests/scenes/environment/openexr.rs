@@ -102,7 +102,7 @@ fn normals_in_floats_are_signed_or_coded_as_their_lengths_tell() {
         (
             "coded, a filter rings below 0",
             vec![coded(up), coded(steep), coded([-1.002, 0.0, 0.0])],
-            vec![[0.0; 2], [0.75, 0.0], [-crate::bump::OFFSET_LIMIT, 0.0]],
+            vec![[0.0; 2], [0.75, 0.0], [-OFFSET_LIMIT, 0.0]],
         ),
     ];
     for (kind, texels, wanted) in table {

@@ -1,8 +1,10 @@
 //! Scenes that load, and scenes that are refused.
 
-use super::*;
-use crate::bump::FrameSystem;
+use std::path::Path;
 use std::sync::Arc;
+
+use glam::DVec3;
+use roughxel_scene::*;
 
 const CAMERA: &str = "camera = { eye = [0, 1, 5], target = [0, 0, 0] }\n";
 const STUDIO: &str = "environment = { generate = \"studio\", face_edge = 8 }\n";
@@ -188,7 +190,7 @@ fn bad_scenes_name_line_column_and_remedy() {
 fn a_scene_cut_anywhere_is_an_error_or_a_scene_but_never_a_panic() {
     let text = builtin_text("shapes").unwrap();
     for end in (0..text.len()).filter(|&end| text.is_char_boundary(end)).step_by(7) {
-        let _ = Source::new("cut", &text[..end], Path::new("")).parse();
+        let _ = Scene::from_toml("cut", &text[..end], Path::new(""));
     }
 }
 
@@ -273,7 +275,9 @@ fn every_step_of_a_map_is_told() {
         "{CAMERA}{STUDIO}[[object]]\nshape = \"plane\"\n[object.material]\n\
          colour_map = {{ generate = \"earth\", size = 16 }}\nheight_map = {{ generate = \"brushed\", scratches = 9 }}\n"
     );
-    from_toml("test.toml", &text, Path::new(""), &told).unwrap();
+    let file = tempfile::NamedTempFile::with_suffix(".toml").unwrap();
+    std::fs::write(&file, text).unwrap();
+    Scene::open_with(file.path().to_str().unwrap(), &told).unwrap();
     let maps = told.0.into_inner().unwrap();
     assert!(maps.iter().all(|(_, steps, done)| steps == done), "{maps:?}");
     let first: Vec<_> = maps.iter().map(|(map, steps, _)| (map.as_str(), *steps)).collect();

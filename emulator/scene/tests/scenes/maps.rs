@@ -1,7 +1,7 @@
 //! Picture files in scenes: what a file says becomes a map, a statement, or a warning with the key that decides otherwise.
 
-use super::*;
-use crate::Scene;
+use roughxel_assets::picture::Window;
+use roughxel_scene::Scene;
 
 const HEAD: &str = "camera = { eye = [0, 0, 2], target = [0, 0, 0] }\n";
 
