@@ -59,7 +59,8 @@ impl Target {
         matches!(self, Self::Ecp5 | Self::Gowin | Self::Xc7)
     }
 
-    /// Most levels in a cycle of a folded design, unless the user gives another number.
+    /// Most levels in a cycle of a folded design, unless the user gives another number. A footprint of `narrow` on two multipliers routes at 82 MHz
+    /// with six on an ECP5, at 70 MHz with seven.
     pub const fn folded_depth(self) -> u32 {
         match self {
             Self::Asic => 24,
@@ -79,7 +80,7 @@ impl Target {
     }
 
     /// Time of a level with its wire, for the clock that constraints ask for unless the user gives another, ns. Measured on an ECP5: a folded
-    /// reflection of 7 levels runs at 72 MHz. The others are in proportion to the delays of their lookup tables; a gate is one of a 130 nm library.
+    /// footprint of 6 levels runs at 82 MHz. The others are in proportion to the delays of their lookup tables; a gate is one of a 130 nm library.
     const fn level_ns(self) -> f64 {
         match self {
             Self::Asic => 0.1,

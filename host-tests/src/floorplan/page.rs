@@ -178,7 +178,7 @@ fn counts(area: &Area) -> [u64; 6] {
 fn placed(cell: &CellResult, device: &str, placement: &Placement) -> Vec<String> {
     let clock = match &placement.outcome {
         Outcome::Placed { megahertz } => format!("{megahertz:.1}"),
-        Outcome::OutOfTime { minutes } => format!("not placed in {minutes} minutes"),
+        Outcome::OutOfTime { minutes } => format!("not routed in {minutes} minutes"),
         Outcome::Failed { reason } => match fullest(&placement.used) {
             Some((kind, [used, available])) => format!("too large: {used} of {available} {kind}"),
             None => format!("no: {}", reason.replace('|', "/")),
