@@ -218,10 +218,14 @@ fn is_of(placement: &Placement, device: &str, netlist_key: &str) -> bool {
     Device::by_name(device).is_some_and(|device| key(device) == placement.key)
 }
 
-/// True if a kept placement answers the wish: one that was ended does not if there is more time now.
-fn answers(placement: &Placement, key: &str, minutes: u32) -> bool {
-    let ended = matches!(placement.outcome, Outcome::OutOfTime { minutes: had } if had < minutes);
-    placement.key == key && !ended
+/// True if a kept placement answers the wish. One by an old version does not, and one that was ended does not if there is more time now. One by the
+/// other kind of program does.
+fn answers(placement: &Placement, netlist_key: &str, device: &Device, wish: Wish) -> Result<bool, String> {
+    let is_package = |tool: &str| tool.starts_with("yowasp-");
+    let version = wish.program(device)?.version;
+    let is_old = placement.tool != version && is_package(&placement.tool) == is_package(&version);
+    let ended = matches!(placement.outcome, Outcome::OutOfTime { minutes: had } if had < wish.minutes);
+    Ok(placement.key == place::key(netlist_key, &placement.tool, device, wish.seed) && !is_old && !ended)
 }
 
 fn placed(
@@ -234,10 +238,11 @@ fn placed(
 ) -> Result<(), String> {
     let name = cell.to_string();
     let netlist_key = yosys::key(yosys, &text.hash, &text.shell(), cell.target)?;
-    let key = place::key(&netlist_key, &arguments.wish().program(device)?.version, device, arguments.seed);
     let results = kept.read()?;
     let placement = results.cells.get(&name).and_then(|cell| cell.placements.get(device.name));
-    if placement.is_some_and(|placement| answers(placement, &key, arguments.minutes)) {
+    if let Some(placement) = placement
+        && answers(placement, &netlist_key, device, arguments.wish())?
+    {
         return Ok(());
     }
     println!("{name}: placement on {}", device.name);
