@@ -61,6 +61,8 @@ pub struct ReflectionFigures {
     pub psnr: f64,
     /// PSNR of 16 samples a pixel against the same truth, dB.
     pub psnr_of_16_samples: f64,
+    /// Texels that the filtered picture reads for a pixel of the frame, the mean.
+    pub texels: f64,
 }
 
 impl ReflectionFigures {
@@ -77,6 +79,7 @@ impl ReflectionFigures {
             bands: core::array::from_fn(|band| core::array::from_fn(|i| mean(&|figures| figures.bands[band][i]))),
             psnr: mean(&|figures| figures.psnr),
             psnr_of_16_samples: mean(&|figures| figures.psnr_of_16_samples),
+            texels: mean(&|figures| figures.texels),
         }
     }
 }
@@ -155,11 +158,12 @@ impl Mirror<'_> {
         Scene::from_toml("reflections", &text, Path::new("")).expect("the scene is valid")
     }
 
-    /// A frame of the scene.
-    fn draw(&self, keys: &str, mode: Mode) -> Frame {
+    /// A frame of the scene, and the texels that it reads.
+    fn draw(&self, keys: &str, mode: Mode) -> (Frame, u64) {
         let scene = self.scene(keys);
         let prepared = Prepared::new(&scene, mode, &Precision::STANDARD).expect("the scene is valid");
-        prepared.render(&|| ()).expect("the scene can be drawn")
+        let (frame, counted) = prepared.render_counted(&|| ()).expect("the scene can be drawn");
+        (frame, counted.texels)
     }
 }
 
@@ -172,6 +176,8 @@ pub struct Pictures<const N: usize> {
     pub sampled: Frame,
     /// Filtered pictures, one for each of some lines of its material that do not change what samples show.
     pub filtered: [Frame; N],
+    /// Texels that each filtered picture reads.
+    pub texels: [u64; N],
 }
 
 impl<const N: usize> Pictures<N> {
@@ -180,10 +186,12 @@ impl<const N: usize> Pictures<N> {
     /// # Panics
     /// If the keys are wrong, or a file is missing.
     pub fn of(mirror: &Mirror, keys: [&str; N]) -> Self {
+        let filtered = keys.map(|keys| mirror.draw(keys, Mode::Footprint));
         Self {
-            truth: mirror.draw("", Mode::Supersampled { edge: SAMPLES_EDGE }),
-            sampled: mirror.draw("", Mode::Supersampled { edge: 4 }),
-            filtered: keys.map(|keys| mirror.draw(keys, Mode::Footprint)),
+            truth: mirror.draw("", Mode::Supersampled { edge: SAMPLES_EDGE }).0,
+            sampled: mirror.draw("", Mode::Supersampled { edge: 4 }).0,
+            texels: filtered.each_ref().map(|(_, texels)| *texels),
+            filtered: filtered.map(|(frame, _)| frame),
         }
     }
 
@@ -191,12 +199,14 @@ impl<const N: usize> Pictures<N> {
     pub fn figures(&self) -> [ReflectionFigures; N] {
         let of_truth = bands(&self.truth);
         let psnr_of_16_samples = psnr(&self.sampled, &self.truth);
-        self.filtered.each_ref().map(|filtered| {
+        core::array::from_fn(|picture| {
+            let filtered = &self.filtered[picture];
             let of_filtered = bands(filtered);
             ReflectionFigures {
                 bands: core::array::from_fn(|band| core::array::from_fn(|i| of_filtered[band][i] / of_truth[band][i])),
                 psnr: psnr(filtered, &self.truth),
                 psnr_of_16_samples,
+                texels: self.texels[picture] as f64 / filtered.pixels.len() as f64,
             }
         })
     }

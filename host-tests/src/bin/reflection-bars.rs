@@ -92,8 +92,8 @@ fn world() -> Result<(), String> {
 /// The page: what the suite is, a summary, and a line for each case.
 fn page(outcomes: &[Outcome]) -> String {
     let mut page = String::from(INTRODUCTION);
-    page += "\n| slopes | cases | law: worst band and channel | within 0.9 to 1.1 | law − one lobe, dB | law − as is, dB | better than 16 samples |\n\
-             |---|---:|---:|---:|---:|---:|---:|\n";
+    page += "\n| slopes | cases | law: worst band and channel | within 0.9 to 1.1 | law − one lobe, dB | law − as is, dB | better than 16 samples | texels, law ÷ one lobe |\n\
+             |---|---:|---:|---:|---:|---:|---:|---:|\n";
     for slope in [Some(0.1), Some(0.25), Some(0.5), Some(1.0), None] {
         let of: Vec<&[ReflectionFigures; 3]> =
             outcomes.iter().filter(|outcome| outcome.case.rms_slope == slope).map(|outcome| &outcome.figures).collect();
@@ -106,27 +106,29 @@ fn page(outcomes: &[Outcome]) -> String {
             of.iter().map(|figures| figures[2].psnr - figures[over].psnr).sum::<f64>() / of.len() as f64
         };
         page += &format!(
-            "| {} | {} | {least:.2} to {most:.2} | {within} | {:+.1} | {:+.1} | {better} |\n",
+            "| {} | {} | {least:.2} to {most:.2} | {within} | {:+.1} | {:+.1} | {better} | {:.2} |\n",
             slope.map_or("normal maps".to_owned(), |slope| slope.to_string()),
             of.len(),
             gain(1),
-            gain(0)
+            gain(0),
+            of.iter().map(|[_, one_lobe, law]| law.texels / one_lobe.texels).sum::<f64>() / of.len() as f64
         );
     }
-    page += "\n| bumps | slope | shape | panorama | as is | one lobe | law | dB: as is | one lobe | law | 16 samples |\n\
-             |---|---:|---|---|---:|---:|---:|---:|---:|---:|---:|\n";
+    page += "\n| bumps | slope | shape | panorama | as is | one lobe | law | dB: as is | one lobe | law | 16 samples | texels, law ÷ one lobe |\n\
+             |---|---:|---|---|---:|---:|---:|---:|---:|---:|---:|---:|\n";
     for Outcome { case, figures, .. } in outcomes {
         let shape = if case.shape == Shape::Plane { "plane" } else { "mesh" };
         let slope = case.rms_slope.map_or("own".to_owned(), |slope| slope.to_string());
         let ranges = figures.map(|figures| figures.range().map(|ratio| format!("{ratio:.2}")).join(" – "));
         let psnr = figures.map(|figures| format!("{:.1}", figures.psnr));
         page += &format!(
-            "| {} | {slope} | {shape} | {} | {} | {} | {:.1} |\n",
+            "| {} | {slope} | {shape} | {} | {} | {} | {:.1} | {:.2} |\n",
             case.bumps.trim_end_matches(".png"),
             case.sky,
             ranges.join(" | "),
             psnr.join(" | "),
-            figures[0].psnr_of_16_samples
+            figures[0].psnr_of_16_samples,
+            figures[2].texels / figures[1].texels
         );
     }
     page
@@ -141,6 +143,7 @@ Panoramas and normal maps are those of the npm package @pmndrs/assets 1.7.0 (CC0
 Each mirror of 96×72 pixels is compared with 1024 samples a pixel. The panorama is exposed so that no sample is clipped.
 Brightness is that of a band of rows and a channel, over the truth; a range is that of all four bands and three channels.
 A decibel is that of the exposure that gives the brightest channel of the truth the value 1.
+Texels are those of the environment.
 
 - *As is*: the material without further keys.
 - *One lobe*: `bump_deviation = \"root-mean-square\"`, `two_lobes = false` (S97).
