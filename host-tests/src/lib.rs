@@ -5,6 +5,7 @@
 
 pub mod bars;
 pub mod checked;
+pub mod declarations;
 pub mod designs;
 pub mod floorplan;
 pub mod imports;

@@ -1,4 +1,4 @@
-//! Rust source as tokens, for the tests that read it.
+//! Source of Rust or Verilog as tokens, for the tests that read it.
 
 /// One token: an identifier, a number, or a single character of punctuation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct Token {
     pub spaced: bool,
 }
 
-/// Splits Rust source into tokens without comments, strings and character literals.
+/// Splits source into tokens without comments, strings and character literals.
 pub fn tokens(source: &str) -> Vec<Token> {
     let characters: Vec<char> = source.chars().collect();
     let at = |i: usize| characters.get(i).copied().unwrap_or('\0');

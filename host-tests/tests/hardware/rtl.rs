@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use roughxel_core::design::Design;
 use roughxel_core::plan::{Datapath, Effects, FrameSystem, HorizonKind};
 use roughxel_core::precision::{Precision, Profile, RoughnessKind};
+use roughxel_host_tests::declarations::used_before_declared;
 use roughxel_host_tests::designs::{expected, inputs};
 use roughxel_host_tests::simulators::{have, hdl, run, verilate};
 use roughxel_host_tests::space::{in_turn, is_full_run, profiles, whole_or};
@@ -79,7 +80,14 @@ impl Written {
         )
     }
 
+    /// Writes the files of a design.
+    ///
+    /// # Panics
+    /// If a name is used above its declaration.
     pub(super) fn from_verilog(verilog: Verilog) -> Self {
+        for (name, text) in verilog.files.iter().filter(|(name, _)| name.ends_with(".v")) {
+            assert_eq!(used_before_declared(text), [], "{name}");
+        }
         let directory = tempfile::tempdir_in(runtime()).expect("a temporary directory");
         write_files(directory.path(), verilog.in_order()).expect("the directory can be written");
         Self { directory, verilog }
@@ -208,6 +216,33 @@ fn every_design_lints_clean() {
         let pipelined = [Design::Reflection, Design::Highlight, Design::LitPeak, Design::EnvironmentProbe];
         for (_, design) in pipelined.into_iter().enumerate().filter(|(index, _)| in_turn(*index, profile)) {
             Written::new(design, &options(profile, FULL, Some(24))).lint();
+        }
+    }
+}
+
+/// Icarus 13 refuses a name above its declaration, which Icarus 11 accepts. [`Written::from_verilog`] looks at every generated design.
+#[test]
+fn verilog_in_the_repository_declares_names_above_their_use() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let folders = [
+        "vectors/hdl",
+        "vectors/hdl/handwritten",
+        "vectors/c",
+        "vectors/templates/systemverilog",
+        "emulator/netlist/src/verilog/templates",
+        "emulator/hardware_frame/src/templates",
+        "emulator/firmware/cores",
+        "host-tests/src/floorplan",
+    ];
+    for folder in folders {
+        let files = fs::read_dir(root.join(folder)).expect("a folder of the repository");
+        let paths = files.map(|file| file.expect("a folder can be read").path());
+        let is_verilog = |path: &PathBuf| path.extension().is_some_and(|it| it == "v" || it == "vh" || it == "sv");
+        let verilog: Vec<PathBuf> = paths.filter(is_verilog).collect();
+        assert!(!verilog.is_empty(), "{folder} has no Verilog");
+        for path in verilog {
+            let text = fs::read_to_string(&path).expect("Verilog is text");
+            assert_eq!(used_before_declared(&text), [], "{}", path.display());
         }
     }
 }

@@ -98,9 +98,9 @@ module registers;
   initial begin
     reset;
 {steps}    $display(\"END\");
-    $finish;
+    $finish(0);
   end
-  initial #100000 $finish;
+  initial #100000 $finish(0);
 endmodule
 "
     )

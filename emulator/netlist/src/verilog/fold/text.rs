@@ -359,26 +359,30 @@ impl UnitKind {
     }
 }
 
-/// Text of the next phase, and of what moves in a cycle. What moves is decided a cycle before, so that no other port's signal is on its way; a design
-/// that takes an input each cycle has no cycle before.
-fn control(interval: u32, end: u32) -> String {
+/// Signals of the phases, declared before anything uses them, and the text of the next phase. What moves in a cycle is decided a cycle before, so that
+/// no other port's signal is on its way; a design that takes an input each cycle has no cycle before.
+fn control(interval: u32, end: u32) -> [String; 2] {
     if interval == 1 {
-        return "  wire advance = out_ready | ~full;
+        let signals = "  wire advance = out_ready | ~full;
   wire [INTERVAL-1:0] take = phase & advance;
-  wire [INTERVAL-1:0] next = phase;"
-            .into();
+  wire [INTERVAL-1:0] next = phase;
+";
+        return [signals.into(), String::new()];
     }
-    format!(
-        "  reg  advance;
+    let signals = "  reg  advance;
   // Phases in which registers take values.
   reg  [INTERVAL-1:0] take;
-  wire [INTERVAL-1:0] next = advance ? {{phase[INTERVAL-2:0], phase[INTERVAL-1]}} : phase;
-  wire advances = ~rst & ~(next[{end}] & is_full);
+  wire [INTERVAL-1:0] next = advance ? {phase[INTERVAL-2:0], phase[INTERVAL-1]} : phase;
+";
+    let moves = format!(
+        "  wire advances = ~rst & ~(next[{end}] & is_full);
   always @(posedge clk) begin
     advance <= advances;
     take <= next & {{INTERVAL{{advances}}}};
-  end"
-    )
+  end
+"
+    );
+    [signals.into(), moves]
 }
 
 /// Writes the folded top. `flat` is the context of the design as it is not folded, which gives the ports.
@@ -474,6 +478,7 @@ pub(super) fn top(
     let about: Vec<String> = about.into_iter().chain(units_about).collect();
     let mut text = header(name, &about);
     text += &format!("module {name} (\n{});\n\n", port_list(&port_lines(&inputs, &outputs)));
+    let [signals, moves_on] = control(interval, end);
     let valid = if stages == 1 { "taken".to_owned() } else { "{valid[STAGES-2:0], taken}".to_owned() };
     writeln!(
         text,
@@ -486,11 +491,11 @@ pub(super) fn top(
   reg  [STAGES-1:0] valid;
   // An outcome waits.
   reg  full;
-  assign out_valid = full;
+{signals}  assign out_valid = full;
   assign in_ready = take[INTERVAL-1];
   wire taken = in_valid;
   wire is_full = (full & ~out_ready) | (take[{end}] & valid[STAGES-1]);
-{}
+{moves_on}
   always @(posedge clk)
     if (rst) begin
       phase <= {};
@@ -502,7 +507,6 @@ pub(super) fn top(
       if (take[INTERVAL-1]) valid <= {valid};
     end
 ",
-        control(interval, end),
         if interval == 1 { "1'b1" } else { "{{(INTERVAL-1){1'b0}}, 1'b1}" },
     )?;
     text += &declared;
