@@ -80,12 +80,15 @@ fn declared(tokens: &[Token]) -> HashMap<&str, usize> {
                 ")" | "]" | "}" if depth > 0 => depth -= 1,
                 ";" | ")" => break,
                 "," if depth == 0 => is_next = true,
-                // In front of another word, or of a part of its package, it is a type.
-                word if depth == 0 && is_next && is_name(word) => {
-                    if text(index + 1) != ":" && !is_name(text(index + 1)) {
-                        declared.entry(word).or_insert(index);
-                        is_next = false;
-                    }
+                // In front of another word, or of a part of its package, a word is a type.
+                word if depth == 0
+                    && is_next
+                    && is_name(word)
+                    && text(index + 1) != ":"
+                    && !is_name(text(index + 1)) =>
+                {
+                    declared.entry(word).or_insert(index);
+                    is_next = false;
                 }
                 _ => {}
             }

@@ -1,8 +1,10 @@
 //! Synthesises, places, routes and simulates generated designs, and writes `vectors/hdl/FLOORPLAN.md`.
 //!
 //! `cargo run --release -p roughxel-host-tests --bin floorplan -- --help` has the options. Netlists are kept below `target/floorplan` and figures in
-//! `vectors/hdl/floorplan.json`, each under a hash of text, options, seed and versions. So a second run repeats only what has changed, and an
-//! interrupted one loses only the runs that were under way. Exit code 0 done, 1 a tool is missing or fails, or a netlist is wrong, 2 wrong arguments.
+//! `vectors/hdl/floorplan.json`: those of a netlist under a hash of text, options and version, those of a placement under a hash of its netlist,
+//! options, seed and version. So a second run repeats only what has changed, and an interrupted one loses only the runs that were under way.
+//!
+//! Exit code 0 done, 1 a tool is missing or fails, or a netlist is wrong, 2 wrong arguments.
 
 use std::process::ExitCode;
 
@@ -180,7 +182,7 @@ fn cells(arguments: &Arguments, kept: &Kept) -> Result<(), String> {
                 kept.change(|results| {
                     // Placements of the same netlist stay.
                     result.placements = results.cells.remove(&name).map(|known| known.placements).unwrap_or_default();
-                    result.placements.retain(|name, placement| is_of(placement, name, &result.key));
+                    result.placements.retain(|name, placement| is_of(placement, name, &result.netlist));
                     results.cells.insert(name.clone(), result);
                 })?;
             }
@@ -205,6 +207,7 @@ fn synthesised(yosys: &Yosys, cell: &Cell, text: &Text) -> Result<CellResult, St
         stream,
         words: text.words(stream),
         key: netlist.key,
+        netlist: netlist.content,
         tool: yosys.version.clone(),
         area: netlist.area,
         alone: netlist.alone,
@@ -213,19 +216,19 @@ fn synthesised(yosys: &Yosys, cell: &Cell, text: &Text) -> Result<CellResult, St
 }
 
 /// True if a placement is one of a netlist on a device.
-fn is_of(placement: &Placement, device: &str, netlist_key: &str) -> bool {
-    let key = |device| place::key(netlist_key, &placement.tool, device, placement.seed);
+fn is_of(placement: &Placement, device: &str, netlist: &str) -> bool {
+    let key = |device| place::key(netlist, &placement.tool, device, placement.seed);
     Device::by_name(device).is_some_and(|device| key(device) == placement.key)
 }
 
 /// True if a kept placement answers the wish. One by an old version does not, and one that was ended does not if there is more time now. One by the
 /// other kind of program does.
-fn answers(placement: &Placement, netlist_key: &str, device: &Device, wish: Wish) -> Result<bool, String> {
+fn answers(placement: &Placement, netlist: &str, device: &Device, wish: Wish) -> Result<bool, String> {
     let is_package = |tool: &str| tool.starts_with("yowasp-");
     let version = wish.program(device)?.version;
     let is_old = placement.tool != version && is_package(&placement.tool) == is_package(&version);
     let ended = matches!(placement.outcome, Outcome::OutOfTime { minutes: had } if had < wish.minutes);
-    Ok(placement.key == place::key(netlist_key, &placement.tool, device, wish.seed) && !is_old && !ended)
+    Ok(placement.key == place::key(netlist, &placement.tool, device, wish.seed) && !is_old && !ended)
 }
 
 fn placed(
@@ -237,11 +240,11 @@ fn placed(
     device: &Device,
 ) -> Result<(), String> {
     let name = cell.to_string();
-    let netlist_key = yosys::key(yosys, &text.hash, &text.shell(), cell.target)?;
+    let key = yosys::key(yosys, &text.hash, &text.shell(), cell.target)?;
     let results = kept.read()?;
-    let placement = results.cells.get(&name).and_then(|cell| cell.placements.get(device.name));
-    if let Some(placement) = placement
-        && answers(placement, &netlist_key, device, arguments.wish())?
+    if let Some(known) = results.cells.get(&name).filter(|known| known.key == key)
+        && let Some(placement) = known.placements.get(device.name)
+        && answers(placement, &known.netlist, device, arguments.wish())?
     {
         return Ok(());
     }
@@ -251,7 +254,7 @@ fn placed(
     }
     // A netlist that is not there any more is made again.
     let netlist = yosys::netlist(yosys, text, cell.target)?;
-    let placement = place::place(&netlist.folder, &netlist.key, device, arguments.wish())?;
+    let placement = place::place(&netlist.folder, &netlist.content, device, arguments.wish())?;
     println!("{name}: {} {:?} after {} s", device.name, placement.outcome, placement.seconds);
     kept.change(|results| {
         if let Some(cell) = results.cells.get_mut(&name) {

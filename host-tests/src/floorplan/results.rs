@@ -49,6 +49,8 @@ pub struct CellResult {
     pub words: [u32; 2],
     /// Hash of text, passes and version of Yosys.
     pub key: String,
+    /// Hash of the netlist with the shell.
+    pub netlist: String,
     /// Version of Yosys.
     pub tool: String,
     /// Cells with the shell.

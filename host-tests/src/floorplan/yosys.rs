@@ -76,6 +76,8 @@ impl Yosys {
 pub struct Netlist {
     /// Hash of text, passes and version.
     pub key: String,
+    /// Hash of the netlist itself, see [`content`].
+    pub content: String,
     /// Folder of `netlist.json`, below [`folder`].
     pub folder: PathBuf,
     /// Cells with the shell.
@@ -93,6 +95,22 @@ fn command(target: Target) -> Result<&'static str, String> {
 /// Errors: the target is no device.
 pub fn key(yosys: &Yosys, hash_of_text: &str, module: &str, target: Target) -> Result<String, String> {
     Ok(hash(&[hash_of_text, module, command(target)?, &yosys.version]))
+}
+
+/// Hash of the `netlist.json` of a folder. The places in the text that its parts come from do not count: text of another order may give the same
+/// netlist, whose placement took an hour.
+///
+/// Errors: the file cannot be read.
+pub fn content(folder: &Path) -> Result<String, String> {
+    let path = folder.join("netlist.json");
+    let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(hash_without_places(&text))
+}
+
+fn hash_without_places(netlist: &str) -> String {
+    let is_place = |line: &str| line.split_once("\":").is_some_and(|(key, _)| key.ends_with("src"));
+    let lines: Vec<&str> = netlist.lines().filter(|line| !is_place(line)).collect();
+    hash(&lines)
 }
 
 /// Statistics of a netlist in a file.
@@ -152,5 +170,22 @@ pub fn netlist(yosys: &Yosys, text: &Text, target: Target) -> Result<Netlist, St
     let (key, key_alone) = (key?, key_alone?);
     let (folder, area) = synthesise(yosys, &key, &files, &shell, target)?;
     let (_, alone) = synthesise(yosys, &key_alone, &files, top, target)?;
-    Ok(Netlist { key, folder, area, alone })
+    Ok(Netlist { key, content: content(&folder)?, folder, area, alone })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hash_without_places;
+
+    #[test]
+    fn a_netlist_is_the_same_wherever_its_parts_come_from() {
+        let netlist = |place: &str, kind: &str| {
+            format!(
+                "{{\n  \"attributes\": {{\n    \"src\": \"a.v:{place}\",\n    \"cell_src\": \"b.v:{place}\"\n  }},\n  \"type\": \"{kind}\"\n}}\n"
+            )
+        };
+        let hash = |place, kind| hash_without_places(&netlist(place, kind));
+        assert_eq!(hash("1.1-1.5", "LUT4"), hash("2.3-2.7", "LUT4"));
+        assert_ne!(hash("1.1-1.5", "LUT4"), hash("1.1-1.5", "LUT3"));
+    }
 }
