@@ -97,6 +97,23 @@ fn every_package_is_listed() {
     assert_eq!(listed(false).union(&listed(true)).copied().collect::<BTreeSet<_>>(), all);
 }
 
+/// Unit tests of a library whose manifest has `test = false` would never run.
+#[test]
+fn a_library_that_is_not_tested_has_no_unit_tests() {
+    let places = the_places();
+    let (manifests, _) = manifests(&places);
+    for (folder, manifest) in manifests {
+        let is_tested = manifest.get("lib").and_then(|lib| lib.get("test")).and_then(toml::Value::as_bool);
+        let files = if is_tested == Some(false) { files_below(&format!("{folder}/src"), ".rs") } else { Vec::new() };
+        for file in files {
+            assert!(
+                !text_of(&file).lines().any(|line| line.trim() == "#[cfg(test)]"),
+                "{file}: nothing runs its tests"
+            );
+        }
+    }
+}
+
 #[test]
 fn files_use_what_their_place_may_use() {
     let found = the_places().forbidden(&source_files());

@@ -13,7 +13,7 @@ use roughxel_host_tests::floorplan::device::{DEVICES, Device};
 use roughxel_host_tests::floorplan::place::{Nextpnr, utilisation, version_in};
 use roughxel_host_tests::floorplan::results::{self, Results};
 use roughxel_host_tests::floorplan::simulate::{Variant, simulate};
-use roughxel_host_tests::floorplan::yosys::Yosys;
+use roughxel_host_tests::floorplan::yosys::{Yosys, hash_without_places};
 use roughxel_host_tests::floorplan::{operations, page, picture, tools};
 use roughxel_host_tests::simulators::have;
 use roughxel_netlist::target::Target;
@@ -34,6 +34,18 @@ fn page_and_picture_are_those_of_the_kept_results() {
     assert_eq!(text_of(&results::file()), results.text().expect("finite numbers"), "{remedy}");
     assert_eq!(text_of(&page::file()), page::text(&results), "{remedy}");
     assert_eq!(text_of(&picture::file()), picture::svg(&results).expect("the study"), "{remedy}");
+}
+
+/// A design whose text has another order may have the same netlist, and a placement takes up to hours.
+#[test]
+fn a_netlist_is_the_same_wherever_its_parts_come_from() {
+    let netlist = |place: &str, kind: &str| {
+        let places = format!("    \"src\": \"a.v:{place}\",\n    \"cell_src\": \"b.v:{place}\"\n");
+        format!("{{\n  \"attributes\": {{\n{places}  }},\n  \"type\": \"{kind}\"\n}}\n")
+    };
+    let hash = |place, kind| hash_without_places(&netlist(place, kind));
+    assert_eq!(hash("1.1-1.5", "LUT4"), hash("2.3-2.7", "LUT4"));
+    assert_ne!(hash("1.1-1.5", "LUT4"), hash("1.1-1.5", "LUT3"));
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod outputs;
 mod folder;
 mod coverage;
 mod check;
+mod declarations;
 mod shrink;
 mod proof;
 mod rtl;
