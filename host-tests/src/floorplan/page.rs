@@ -56,7 +56,7 @@ const FAMILIES: [Family; 4] = [
     Family {
         target: Target::Gowin,
         title: "Gowin GW2A",
-        holds: "A GW2A-18 has 20 736 LUT, of which an ALU takes one, 15 552 FF, 48 MULT18X18 and 46 BSRAM.",
+        holds: "A GW2A-18 has 20 736 LUT (an ALU takes the place of one), 15 552 FF, 48 MULT18X18 and 46 BSRAM.",
         cells: ["LUT", "ALU", "MULT18X18", "RAM16", "BSRAM", "FF"],
     },
     Family {

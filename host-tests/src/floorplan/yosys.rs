@@ -109,7 +109,7 @@ pub fn content(folder: &Path) -> Result<String, String> {
 
 /// Hash of a netlist in JSON, a key in a line, see [`content`].
 pub fn hash_without_places(netlist: &str) -> String {
-    let is_place = |line: &str| line.split_once("\":").is_some_and(|(key, _)| key.ends_with("src"));
+    let is_place = |line: &str| line.split_once("\": \"").is_some_and(|(key, _)| key.ends_with("src"));
     let lines: Vec<&str> = netlist.lines().filter(|line| !is_place(line)).collect();
     hash(&lines)
 }
