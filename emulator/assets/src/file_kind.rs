@@ -5,6 +5,7 @@ use std::path::Path;
 
 use roughxel_utilities::input::open_file;
 
+use crate::mesh::kind::is_known;
 use crate::picture::{Kind, PictureError, is_cube_file};
 
 /// Reader that a file is meant for.
@@ -31,6 +32,7 @@ pub fn file_kind(path: &Path) -> Result<FileKind, PictureError> {
     Ok(match Kind::from_head(&head) {
         Kind::Ktx2 | Kind::Dds if is_cube_file(path) => FileKind::Cube,
         Kind::Other("GLB (binary glTF)" | "JSON") => FileKind::Model,
+        Kind::Other("unknown") if promise(path) == "picture" && !is_known(&head) => FileKind::Picture,
         Kind::Other("text" | "unknown" | "XML" | "HTML" | "ZIP" | "gzip" | "Blender" | "Git LFS pointer") => {
             FileKind::Mesh
         }
@@ -44,8 +46,21 @@ const ENDINGS: [(&str, &[&str]); 5] = [
     ("mesh", &["obj", "ply", "stl", "fbx", "off", "dae"]),
     ("texture", &["ktx2", "ktx", "dds"]),
     ("scene", &["toml"]),
-    ("picture", &["png", "exr", "hdr", "pic", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "tga"]),
+    ("picture", PICTURES),
 ];
+
+/// Endings of pictures, with a reader or without.
+const PICTURES: &[&str] = &[
+    "png", "exr", "hdr", "pic", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "gif", "tga", "sgi", "rgb", "pcx", "eps",
+    "ico", "cur", "psd", "jxl", "jxr", "jp2", "heic", "avif", "blp", "crn", "astc", "basis",
+];
+
+/// What the ending of a name promises.
+fn promise(path: &Path) -> &'static str {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let promised = ENDINGS.iter().find(|(_, endings)| endings.iter().any(|known| ending == *known));
+    promised.map_or("file", |(what, _)| what)
+}
 
 /// An error for a file that cannot be opened, by the kind that its name promises.
 fn unopened(path: &Path, source: std::io::Error) -> PictureError {
@@ -54,9 +69,7 @@ fn unopened(path: &Path, source: std::io::Error) -> PictureError {
         let message = format!("`{shown}` is a directory");
         return PictureError { message, remedy: "name a file in it".to_owned(), source: Some(source) };
     }
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let promised = ENDINGS.iter().find(|(_, endings)| endings.iter().any(|known| ending == *known));
-    let what = promised.map_or("file", |(what, _)| what);
+    let what = promise(path);
     let message = format!("cannot open the {what} `{shown}`: {source}");
     PictureError { message, remedy: "check the path and its permissions".to_owned(), source: Some(source) }
 }
@@ -64,6 +77,16 @@ fn unopened(path: &Path, source: std::io::Error) -> PictureError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn unknown_bytes_go_to_the_reader_that_their_name_promises() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, kind) in [("a.tga", FileKind::Picture), ("a.SGI", FileKind::Picture), ("a.obj", FileKind::Mesh)] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, b"\0\0\x0a\0\x01\0\0\0").unwrap();
+            assert_eq!(file_kind(&path).unwrap(), kind, "{name}");
+        }
+    }
 
     #[test]
     fn files_go_to_the_reader_of_their_bytes() {

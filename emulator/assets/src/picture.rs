@@ -39,7 +39,7 @@ pub use compare::{DIFFERENCE_GAIN, difference, ssim};
 pub use cube_file::{CubeFile, is_cube_file, read_cube};
 pub use kind::Kind;
 pub use png_file::{Samples, encode_png, srgb_codes, write_png_codes, write_png_srgb};
-pub use read::read;
+pub use read::{read, read_bytes};
 pub use srgb::{linear_to_srgb8, srgb_to_linear};
 pub use statement::{Envmap, PictureFile, Purpose, Rectangle, Said, Statement, Window, Windows, Wishes};
 

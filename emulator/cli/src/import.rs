@@ -7,11 +7,12 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use miette::miette;
-use roughxel_assets::gltf::{Part, read_model};
+use roughxel_assets::gltf::{Model, Part, read_model};
+use roughxel_utilities::limits::MAX_COORDINATE;
 use roughxel_utilities::output::write_files;
 
 use super::console::complain;
@@ -59,11 +60,11 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     }
     let model = read_model(&args.model)?;
     let folder_name = folder.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
-    // Images come first: maps are made of them.
+    check_coordinates(&args.model, &model)?;
+    // Everything is made before anything is written: a broken image leaves an earlier scene as it was.
     let mut notes = model.ignored.clone();
-    let images = maps::write_images(&folder, &model)?;
-    let meshes = model.parts.iter().enumerate().map(|(index, part)| (obj_name(index, part), obj(part)));
-    write_files(&folder, meshes)?;
+    let source = maps::Source { path: &args.model, model: &model, images: maps::image_names(&model) };
+    let mut files = maps::Files::new();
     let mut objects = Vec::new();
     let mut materials = BTreeMap::new();
     for (index, part) in model.parts.iter().enumerate() {
@@ -71,11 +72,16 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         let maps = match materials.entry((part.material, has_uv)) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => {
-                place.insert(maps::material(&folder, &model, part.material, has_uv, &images, &mut notes)?)
+                place.insert(maps::material(&source, part.material, has_uv, &mut files, &mut notes)?)
             }
         };
         objects.push(text::object(part, &format!("{folder_name}/{}", obj_name(index, part)), &folder_name, maps));
     }
+    let images = source.images.iter().zip(&model.images).map(|(name, image)| (name, &image.bytes));
+    write_files(&folder, images)?;
+    write_files(&folder, files)?;
+    let meshes = model.parts.iter().enumerate().map(|(index, part)| (obj_name(index, part), obj(part)));
+    write_files(&folder, meshes)?;
     write_text(&output, &text::scene(&args.model, &model, &objects))?;
     notes.sort();
     notes.dedup();
@@ -89,6 +95,20 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         "{shown}: {} objects, {triangles} triangles; draw it: roughxel render {shown}",
         objects.len()
     )?;
+    Ok(())
+}
+
+/// Checks that a scene can hold the model, and a camera that sees it.
+fn check_coordinates(path: &Path, model: &Model) -> Result<(), Failure> {
+    let positions = model.parts.iter().flat_map(|part| &part.positions);
+    let farthest = positions.map(|position| position.abs().max_element()).fold(0.0, f64::max);
+    let eye = text::camera(model).eye.abs().max_element();
+    let shown = path.display();
+    let (what, at) = if farthest > MAX_COORDINATE { ("a position", farthest) } else { ("its camera", eye) };
+    if at > MAX_COORDINATE {
+        let message = format!("{shown} has {what} at {at:e}, beyond ±{MAX_COORDINATE:e} units");
+        return Err(Failure::Error(miette!("{message}; move the model to the origin, or scale it down")));
+    }
     Ok(())
 }
 

@@ -21,6 +21,8 @@ const FETCH: &str = "OBJ and glTF are read: fetch the mesh itself";
 const BEGINNINGS: &[(&[u8], &str, &str)] = &[
     (b"ply\n", "a PLY mesh", EXPORT),
     (b"ply\r", "a PLY mesh", EXPORT),
+    (b"PLY\n", "a PLY mesh", EXPORT),
+    (b"PLY\r", "a PLY mesh", EXPORT),
     (b"Kaydara FBX Binary", "an FBX model", EXPORT),
     (b"; FBX", "an FBX model (text)", EXPORT),
     (b"PXR-USDC", "a USD scene", EXPORT),
@@ -75,6 +77,11 @@ pub(crate) fn is_gltf(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     // The key may stand at the end of a long text.
     bytes.starts_with(b"glTF") || text.starts_with(b"{") && text.windows(7).any(|word| word == b"\"asset\"")
+}
+
+/// True if bytes begin as those of a known kind of file.
+pub(crate) fn is_known(bytes: &[u8]) -> bool {
+    BEGINNINGS.iter().any(|(start, ..)| bytes.starts_with(start))
 }
 
 /// The kind of a file that is no OBJ text, if it is known or is no text at all.

@@ -10,7 +10,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::codes::Codes8;
 use super::decoded::Decoded;
-use super::jpeg_words::{JpegColours, JpegWords};
+use super::jpeg_words::{JPEG_LS, JpegColours, JpegWords};
 use super::orientation::Orientation;
 use super::statement::{Purpose, Wishes};
 use super::{MAX_EDGE, PictureError, check_size};
@@ -47,6 +47,7 @@ pub(super) fn read(
     match words.frame {
         0xc0..=0xc2 if words.bits == 8 => {}
         0xc0..=0xc2 => return Err(unsupported(&format!("of {} bits", words.bits), baseline)),
+        JPEG_LS => return Err(unsupported("of the standard JPEG-LS", baseline)),
         0xc3 => return Err(unsupported("with lossless coding", baseline)),
         0xc9..=0xcb => return Err(unsupported("with arithmetic coding", baseline)),
         _ => return Err(unsupported("with hierarchical coding", baseline)),

@@ -1,5 +1,8 @@
 //! Words of a JPEG about itself: frame, components, and the colours that its marks tell.
 
+/// Mark of the frame of JPEG-LS (ITU-T T.87).
+pub(super) const JPEG_LS: u8 = 0xf7;
+
 /// Marks before the first picture ends (ITU-T T.81, table B.1).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct JpegWords {
@@ -47,7 +50,7 @@ impl JpegWords {
             let Some(segment) = segment else { return words.if_framed() };
             match mark {
                 // Tables and conditioning have marks among those of frames.
-                0xc0..=0xcf if !matches!(mark, 0xc4 | 0xc8 | 0xcc) => {
+                0xc0..=0xcf | JPEG_LS if !matches!(mark, 0xc4 | 0xc8 | 0xcc) => {
                     let count = usize::from(*segment.get(5)?);
                     let names = (0..count).map(|component| segment.get(6 + 3 * component).copied());
                     (words.frame, words.bits, words.components) = (mark, segment[0], names.collect::<Option<_>>()?);

@@ -1,6 +1,6 @@
 //! One entry for all kinds of picture files.
 
-use std::io::{Read as _, Seek as _};
+use std::io::{BufRead, Cursor, Read as _, Seek};
 use std::path::Path;
 
 use super::decoded::Decoded;
@@ -20,7 +20,23 @@ const READABLE: &str = "PNG, EXR, HDR, JPEG, TIFF, WebP, KTX2 or DDS";
 /// A file that cannot be opened, or that is truncated or damaged; a kind, or a variant of a kind, without a reader; a picture larger than
 /// [`MAX_EDGE`](super::MAX_EDGE) or [`MAX_PIXELS`](super::MAX_PIXELS); a number that is not finite; a wish that the file cannot meet.
 pub fn read(path: &Path, purpose: Purpose, wishes: &Wishes) -> Result<PictureFile, PictureError> {
-    let mut reader = open(path)?;
+    read_from(path, open(path)?, purpose, wishes)
+}
+
+/// Reads a picture from the bytes of its file, as [`read`] does. Errors call it `name`.
+///
+/// # Errors
+/// Those of [`read`], without that of a file that cannot be opened.
+pub fn read_bytes(name: &Path, bytes: &[u8], purpose: Purpose, wishes: &Wishes) -> Result<PictureFile, PictureError> {
+    read_from(name, Cursor::new(bytes), purpose, wishes)
+}
+
+fn read_from(
+    path: &Path,
+    mut reader: impl BufRead + Seek,
+    purpose: Purpose,
+    wishes: &Wishes,
+) -> Result<PictureFile, PictureError> {
     let unreadable = |source| PictureError::open(path, source);
     let mut head = Vec::with_capacity(HEAD_BYTES);
     reader.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut head).map_err(unreadable)?;

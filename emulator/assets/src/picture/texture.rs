@@ -238,7 +238,10 @@ fn dds_content<'a>(path: &Path, dds: &'a ddsfile::Dds, images: usize) -> Result<
             let texels = d3d_format(format).ok_or_else(|| unknown(Some(format!("{format:?}"))))?;
             (texels, format!("{format:?}"), None)
         }
-        _ => return Err(unknown(None)),
+        _ => match luminance(&dds.header.spf) {
+            Some((texels, name)) if images == 1 => (texels, name.to_owned(), None),
+            _ => return Err(unknown(None)),
+        },
     };
     let size = [dds.get_width(), dds.get_height()];
     let bytes = format.bytes(size);
@@ -288,13 +291,23 @@ fn dxgi_format(format: ddsfile::DxgiFormat) -> Option<(TexelFormat, Option<Trans
     Some((texels, transfer))
 }
 
+/// Grey of the older header. The library that reads it looks for its mask where it keeps none.
+fn luminance(format: &ddsfile::PixelFormat) -> Option<(TexelFormat, &'static str)> {
+    use ddsfile::PixelFormatFlags as Flags;
+    let is_grey = format.flags.contains(Flags::LUMINANCE);
+    match (format.rgb_bit_count.filter(|_| is_grey)?, format.flags.contains(Flags::ALPHA_PIXELS)) {
+        (8, false) => Some((TexelFormat::Codes(1, [0; 3]), "L8")),
+        (16, true) => Some((TexelFormat::Codes(2, [0; 3]), "A8L8")),
+        _ => None,
+    }
+}
+
 fn d3d_format(format: ddsfile::D3DFormat) -> Option<TexelFormat> {
     use ddsfile::D3DFormat as D;
     Some(match format {
         D::A8R8G8B8 | D::X8R8G8B8 => TexelFormat::Codes(4, [2, 1, 0]),
         D::A8B8G8R8 | D::X8B8G8R8 => TexelFormat::Codes(4, [0, 1, 2]),
         D::R8G8B8 => TexelFormat::Codes(3, [2, 1, 0]),
-        D::L8 => TexelFormat::Codes(1, [0; 3]),
         D::R16F => TexelFormat::Half(1),
         D::G16R16F => TexelFormat::Half(2),
         D::A16B16G16R16F => TexelFormat::Half(4),

@@ -3,12 +3,13 @@
 use std::io::{BufRead, Seek};
 use std::path::Path;
 
+use tiff::decoder::ifd::Value;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
 use super::codes::{collect_pixels, colours_of, decode_table, name_channels};
-use super::colour::Transfer;
+use super::colour::{Primaries, Transfer};
 use super::colour_words::ColourWords;
 use super::decoded::Decoded;
 use super::icc::profile_words;
@@ -18,6 +19,14 @@ use super::{MAX_PIXELS, Picture, PictureError, check_finite, check_size};
 
 /// Most bytes of the decoded samples: four floats a pixel.
 const MAX_BYTES: usize = 16 * MAX_PIXELS as usize;
+/// Tag of the transfer function, which the decoder does not name (TIFF 6.0, section 20).
+const TRANSFER_FUNCTION: Tag = Tag::Unknown(301);
+/// Tag of the chromaticities of white.
+const WHITE_POINT: Tag = Tag::Unknown(318);
+/// Tag of the chromaticities of red, green and blue.
+const PRIMARIES: Tag = Tag::Unknown(319);
+/// White of files that have primaries alone: D65.
+const D65: [f64; 2] = [0.3127, 0.329];
 /// Formats that this module reads, for remedies.
 const REMEDY: &str = "a TIFF in RGB or grey, of 8 or 16 bits or floats, uncompressed or by LZW or Deflate";
 
@@ -62,11 +71,21 @@ pub(super) fn read(
     {
         return Err(unsupported("is a TIFF with tiles for each channel".into()));
     }
+    // The decoder takes the bits as they are.
+    if tag(&mut decoder, Tag::FillOrder)? == Some(2) {
+        return Err(unsupported("is a TIFF with the bits of each byte in reverse (FillOrder 2)".into()));
+    }
     let orientation = tag(&mut decoder, Tag::Orientation)?.and_then(Orientation::from_tag);
     let orientation = orientation.unwrap_or(Orientation::UPRIGHT);
     let mut statement = Statement::default();
     name_channels(channels, &mut statement);
     let mut words = ColourWords::new(Transfer::Srgb);
+    if let Some(primaries) = chromaticities(&mut decoder).map_err(failed)? {
+        words.space = Some((format!("PrimaryChromaticities of {}", primaries.name()), primaries));
+    }
+    if decoder.find_tag(TRANSFER_FUNCTION).map_err(failed)?.is_some() {
+        statement.ignored.push("TransferFunction: `transfer` of the scene can give one".to_owned());
+    }
     if let Some(profile) = decoder.find_tag(Tag::IccProfile).map_err(failed)? {
         let profile = profile.into_u8_vec().map_err(failed)?;
         profile_words(&profile, "ICC profile", &mut words);
@@ -114,6 +133,22 @@ pub(super) fn read(
     }
     let picture = orientation.apply(Picture { width, height, pixels });
     Ok(Decoded { picture, statement, largest_code, channels: colours_of(channels) })
+}
+
+/// Primaries of the tags; `None` if a file has none of them, or other numbers of them.
+fn chromaticities(decoder: &mut Decoder<impl BufRead + Seek>) -> Result<Option<Primaries>, TiffError> {
+    let mut numbers = |tag| -> Result<Vec<f64>, TiffError> {
+        let Some(Value::List(list)) = decoder.find_tag(tag)? else { return Ok(Vec::new()) };
+        let number = |value: &Value| match value {
+            Value::Rational(above, below) if *below > 0 => Some(f64::from(*above) / f64::from(*below)),
+            Value::Float(number) => Some(f64::from(*number)).filter(|number| number.is_finite()),
+            _ => None,
+        };
+        Ok(list.iter().filter_map(number).collect())
+    };
+    let (colours, white) = (numbers(PRIMARIES)?, numbers(WHITE_POINT)?);
+    let white = white.try_into().unwrap_or(D65);
+    Ok(colours.as_chunks::<2>().0.try_into().ok().map(|colours| Primaries { colours, white }))
 }
 
 /// Samples of planes, one behind the other, in the order of pixels. Types that are refused stay as they are.

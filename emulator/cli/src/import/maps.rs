@@ -1,13 +1,10 @@
 //! Materials of a model as the keys and maps of a scene.
 
-use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use roughxel_assets::Picture;
-use roughxel_assets::gltf::{Model, ModelMaterial};
-use roughxel_assets::picture::{PictureError, Purpose, Samples, Wishes, encode_png, linear_to_srgb8, read};
-
-use roughxel_utilities::output::{WriteError, write_files};
+use roughxel_assets::gltf::{Image, Model, ModelMaterial};
+use roughxel_assets::picture::{PictureError, Purpose, Samples, Wishes, encode_png, linear_to_srgb8, read_bytes};
 
 use crate::failure::Failure;
 
@@ -36,10 +33,12 @@ pub(super) struct MaterialMaps {
     pub(super) has_uv: bool,
 }
 
-/// Writes the images of a model as they are. Returns the names of their files.
-pub(super) fn write_images(folder: &Path, model: &Model) -> Result<Vec<String>, Failure> {
-    let mut names = Vec::new();
-    for (index, image) in model.images.iter().enumerate() {
+/// Files of maps: name and content.
+pub(super) type Files = Vec<(String, Vec<u8>)>;
+
+/// Names for the files of the images of a model.
+pub(super) fn image_names(model: &Model) -> Vec<String> {
+    let name = |(index, image): (usize, &Image)| {
         let ending = match image.bytes.as_slice() {
             [0x89, b'P', b'N', b'G', ..] => "png",
             [0xff, 0xd8, ..] => "jpg",
@@ -47,24 +46,29 @@ pub(super) fn write_images(folder: &Path, model: &Model) -> Result<Vec<String>, 
             [0xab, b'K', b'T', b'X', ..] => "ktx2",
             _ => "image",
         };
-        let name = format!("image_{index}.{ending}");
-        write_bytes(folder, &name, &image.bytes)?;
-        names.push(name);
-    }
-    Ok(names)
+        format!("image_{index}.{ending}")
+    };
+    model.images.iter().enumerate().map(name).collect()
+}
+
+/// A model that is taken apart.
+pub(super) struct Source<'a> {
+    pub(super) path: &'a Path,
+    pub(super) model: &'a Model,
+    /// Names for the files of its images.
+    pub(super) images: Vec<String>,
 }
 
 /// A texture of the model, or nothing.
 struct Texture(Option<Picture>);
 
 impl Texture {
-    fn read(folder: &Path, images: &[String], image: Option<usize>, purpose: Purpose) -> Result<Self, PictureError> {
-        let name = image.and_then(|index| images.get(index));
-        Ok(Self(
-            name.map(|name| read(&folder.join(name), purpose, &Wishes::default()))
-                .transpose()?
-                .map(|read| read.picture),
-        ))
+    fn read(source: &Source<'_>, image: Option<usize>, purpose: Purpose) -> Result<Self, PictureError> {
+        let Some((index, image)) = image.and_then(|index| Some((index, source.model.images.get(index)?))) else {
+            return Ok(Self(None));
+        };
+        let name = PathBuf::from(format!("{}: image {index}", source.path.display()));
+        Ok(Self(Some(read_bytes(&name, &image.bytes, purpose, &Wishes::default())?.picture)))
     }
 
     fn size(&self) -> Option<[u32; 2]> {
@@ -131,23 +135,22 @@ fn each(size: [u32; 2], mut texel: impl FnMut(u32, u32)) {
     }
 }
 
-/// Keys and maps of material `index`; `None` is glTF's default material. `notes` takes what is left out.
+/// Keys and maps of material `index`; `None` is glTF's default material. `files` takes the maps, `notes` what is left out.
 pub(super) fn material(
-    folder: &Path,
-    model: &Model,
+    source: &Source<'_>,
     index: Option<usize>,
     has_uv: bool,
-    images: &[String],
+    files: &mut Files,
     notes: &mut Vec<String>,
 ) -> Result<MaterialMaps, Failure> {
     let default = ModelMaterial { colour: [1.0; 3], metallic: 1.0, roughness: 1.0, ..Default::default() };
-    let material = index.and_then(|index| model.materials.get(index)).unwrap_or(&default);
+    let material = index.and_then(|index| source.model.materials.get(index)).unwrap_or(&default);
     let number = index.map_or_else(|| "default".to_owned(), |index| index.to_string());
     let textured = [material.colour_texture, material.metallic_roughness_texture, material.emissive_texture];
     if !has_uv && (textured.iter().any(Option::is_some) || material.normal_texture.is_some()) {
         notes.push(format!("material {number}: textures are left out where a mesh has no texture coordinates"));
     }
-    let read = |image: Option<usize>, purpose| Texture::read(folder, images, image.filter(|_| has_uv), purpose);
+    let read = |image: Option<usize>, purpose| Texture::read(source, image.filter(|_| has_uv), purpose);
     let textures = Textures {
         material,
         colour: read(material.colour_texture, Purpose::Colours)?,
@@ -166,7 +169,7 @@ pub(super) fn material(
             each(size, |x, y| {
                 codes.extend(textures.shown(x, y, size, maps.reflectance).map(|light| linear_to_srgb8(light as f32)));
             });
-            maps.colour_map = Some(write_map(folder, &format!("colour_{number}.png"), size, Samples::Srgb8(&codes))?);
+            maps.colour_map = Some(map(files, format!("colour_{number}.png"), size, Samples::Srgb8(&codes))?);
         }
     }
     if textures.properties.0.is_some() && material.metallic > 0.0 {
@@ -175,9 +178,9 @@ pub(super) fn material(
     let normals = read(material.normal_texture.map(|normal| normal.image), Purpose::Data)?;
     if let (Some(normal), Some(_)) = (material.normal_texture, normals.size()) {
         maps.normal_map = if normal.scale == 1.0 {
-            images.get(normal.image).cloned()
+            source.images.get(normal.image).cloned()
         } else {
-            Some(write_scaled_normals(folder, &number, &normals, normal.scale)?)
+            Some(scaled_normals(files, &number, &normals, normal.scale)?)
         };
     }
     if let Some(own) = textures.properties.size() {
@@ -188,14 +191,13 @@ pub(super) fn material(
             let share = if rough > 0.0 { deviation(rough) / maps.deviation } else { 0.0 };
             bytes.extend(((share * 65535.0).round() as u16).to_be_bytes());
         });
-        maps.roughness_map =
-            Some(write_map(folder, &format!("roughness_{number}.png"), size, Samples::Grey16(&bytes))?);
+        maps.roughness_map = Some(map(files, format!("roughness_{number}.png"), size, Samples::Grey16(&bytes))?);
     }
     Ok(maps)
 }
 
-/// Writes normals whose x and y are multiplied by `scale` (glTF 2.0 §3.9.3).
-fn write_scaled_normals(folder: &Path, number: &str, normals: &Texture, scale: f64) -> Result<String, Failure> {
+/// A map of normals whose x and y are multiplied by `scale` (glTF 2.0 §3.9.3).
+fn scaled_normals(files: &mut Files, number: &str, normals: &Texture, scale: f64) -> Result<String, Failure> {
     let size = normals.size().unwrap_or([1, 1]);
     let mut codes = Vec::new();
     each(size, |x, y| {
@@ -203,20 +205,15 @@ fn write_scaled_normals(folder: &Path, number: &str, normals: &Texture, scale: f
         let normal = glam::DVec3::new(x * scale, y * scale, z).normalize_or(glam::DVec3::Z);
         codes.extend(normal.to_array().map(|part| ((part + 1.0) / 2.0 * 255.0).round() as u8));
     });
-    write_map(folder, &format!("normal_{number}.png"), size, Samples::Rgb8(&codes))
+    map(files, format!("normal_{number}.png"), size, Samples::Rgb8(&codes))
 }
 
-/// Writes a file below `folder`, which is made.
-fn write_bytes(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), WriteError> {
-    fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.into(), source })?;
-    write_files(folder, [(name, bytes)])
-}
-
-fn write_map(folder: &Path, name: &str, size: [u32; 2], samples: Samples<'_>) -> Result<String, Failure> {
+/// Adds a map to the files. Returns its name.
+fn map(files: &mut Files, name: String, size: [u32; 2], samples: Samples<'_>) -> Result<String, Failure> {
     let mut bytes = Vec::new();
     encode_png(&mut bytes, size, samples)?;
-    write_bytes(folder, name, &bytes)?;
-    Ok(name.to_owned())
+    files.push((name.clone(), bytes));
+    Ok(name)
 }
 
 #[cfg(test)]
@@ -286,20 +283,20 @@ mod tests {
             ("black", with(|own| own.colour = [0.0; 3]), [0.04; 3], [0.0; 3], 0.8),
             ("more than a metal", with(|own| own.metallic = 3.0), [0.5, 0.25, 1.0], [0.0; 3], 0.8),
         ];
-        let folder = tempfile::tempdir().unwrap();
+        let read = |model: &Model, index| {
+            let source = Source { path: Path::new("a.glb"), model, images: Vec::new() };
+            material(&source, index, true, &mut Files::new(), &mut Vec::new())
+        };
         let close = |found: [f64; 3], expected: [f64; 3]| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3);
         for (kind, own, reflectance, colour, deviation) in table {
             let model = Model { materials: vec![own], ..Default::default() };
-            let maps = material(folder.path(), &model, Some(0), true, &[], &mut Vec::new());
-            let Ok(maps) = maps else { panic!("{kind}") };
+            let Ok(maps) = read(&model, Some(0)) else { panic!("{kind}") };
             assert!(close(maps.reflectance, reflectance), "{kind}: {:?}", maps.reflectance);
             assert!(close(maps.colour, colour), "{kind}: {:?}", maps.colour);
             assert!((maps.deviation - deviation).abs() < 2e-3, "{kind}: {}", maps.deviation);
         }
         // A model without materials has white, rough metal (glTF 2.0 §3.7.2.1).
-        let Ok(default) = material(folder.path(), &Model::default(), None, true, &[], &mut Vec::new()) else {
-            panic!()
-        };
+        let Ok(default) = read(&Model::default(), None) else { panic!() };
         assert_eq!((default.reflectance, default.colour), ([1.0; 3], [0.0; 3]));
     }
 }

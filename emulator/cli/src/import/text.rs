@@ -52,7 +52,7 @@ pub(super) fn object(part: &Part, path: &str, folder: &str, maps: &MaterialMaps)
 
 /// The whole file.
 pub(super) fn scene(model_path: &Path, model: &Model, objects: &[String]) -> String {
-    let ModelCamera { eye, forward, up, fov_y_degrees } = model.camera.unwrap_or_else(|| overview(model));
+    let ModelCamera { eye, forward, up, fov_y_degrees } = camera(model);
     let name = model_path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let shown = name.replace(|c: char| c.is_control(), " ");
     // Far enough for six decimals, near enough for coordinates within the limit.
@@ -66,6 +66,11 @@ pub(super) fn scene(model_path: &Path, model: &Model, objects: &[String]) -> Str
         (fov_y_degrees * 1e3).round() / 1e3,
         objects.join("\n"),
     )
+}
+
+/// The camera of a model, or one that sees all of it.
+pub(super) fn camera(model: &Model) -> ModelCamera {
+    model.camera.unwrap_or_else(|| overview(model))
 }
 
 /// A camera that sees all parts, from the front (+z) and a little above.

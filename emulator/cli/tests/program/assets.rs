@@ -21,6 +21,11 @@ fn floats(all: impl IntoIterator<Item = f32>) -> Vec<u8> {
 
 /// A GLB (glTF 2.0 §4) of a square of 2 units that faces +z, with its three textures: base colour, roughness and metallic, normals.
 fn model(material: Value) -> Vec<u8> {
+    model_at(json!({ "mesh": 0, "name": "Left wing" }), material)
+}
+
+/// The same square in a node of one's own.
+fn model_at(node: Value, material: Value) -> Vec<u8> {
     let mut chunk = floats([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]].concat());
     chunk.extend(floats([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].concat()));
     chunk.extend([0u16, 1, 2, 0, 2, 3].into_iter().flat_map(u16::to_le_bytes));
@@ -43,7 +48,7 @@ fn model(material: Value) -> Vec<u8> {
     positions["max"] = json!([1, 1, 0]);
     let json = json!({
         "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "mesh": 0, "name": "Left wing" }],
+        "nodes": [node],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "indices": 2, "material": 0 }] }],
         "materials": [material],
         "textures": [{ "source": 0 }, { "source": 1 }, { "source": 2 }],
@@ -113,6 +118,52 @@ fn a_gltf_model_becomes_a_scene_with_the_values_of_its_material() {
     // The square fills the middle and nothing else; seen from the front its reflection is no background.
     let frame = picture(&picture_path, Purpose::Colours);
     assert_ne!(frame.pixel(16, 16), frame.pixel(0, 16));
+}
+
+/// An import that fails writes nothing: neither a part of a scene nor over an earlier one.
+#[test]
+fn a_broken_image_leaves_an_earlier_import_as_it_was() {
+    let folder = Folder::new();
+    let (glb, scene) = (folder.join("a.glb"), folder.join("a.toml"));
+    let [glb_text, scene_text] = [&glb, &scene].map(|path| path.to_str().unwrap());
+    let whole = model(material());
+    // The second image is not read before the first one and its maps are there.
+    let at = whole.windows(8).rposition(|bytes| bytes == b"\x89PNG\r\n\x1a\n").unwrap();
+    let mut broken = whole.clone();
+    broken[at + 12..at + 16].fill(0);
+    fs::write(&glb, &broken).unwrap();
+    roughxel(&["import", glb_text, "-o", scene_text]).ends(1).complains(&["a.glb: image ", "is not a readable PNG"]);
+    assert!(!scene.exists() && !folder.join("a").exists());
+    fs::write(&glb, whole).unwrap();
+    roughxel(&["import", glb_text, "-o", scene_text]).ends(0);
+    let files = || {
+        let entries = fs::read_dir(folder.join("a")).unwrap().map(|entry| entry.unwrap().path());
+        let mut files: Vec<_> = entries.map(|path| (path.clone(), fs::read(path).unwrap())).collect();
+        files.sort();
+        files
+    };
+    let before = files();
+    fs::write(&glb, broken).unwrap();
+    roughxel(&["import", glb_text, "-o", scene_text, "--replace"]).ends(1);
+    assert!(files() == before);
+}
+
+/// A scene holds coordinates within a million units. A model in coordinates of a map is refused by the import, not by the first frame.
+#[test]
+fn a_model_far_from_its_origin_is_not_imported() {
+    let folder = Folder::new();
+    let (glb, scene) = (folder.join("a.glb"), folder.join("a.toml"));
+    let [glb_text, scene_text] = [&glb, &scene].map(|path| path.to_str().unwrap());
+    for (translation, scale, ends) in [(5.4e6, 1.0, 1), (0.0, 8e5, 1), (5.4e5, 1.0, 0)] {
+        let node = json!({ "mesh": 0, "translation": [translation, 0, 0], "scale": [scale, scale, scale] });
+        fs::write(&glb, model_at(node, material())).unwrap();
+        let run = roughxel(&["import", glb_text, "-o", scene_text]).ends(ends);
+        if ends == 1 {
+            run.complains(&["a.glb has ", "beyond ±1e6 units; move the model to the origin, or scale it down"]);
+            assert!(!scene.exists());
+        }
+    }
+    roughxel(&["render", scene_text, "-o", folder.join("a.png").to_str().unwrap(), "--size", "16x16"]).ends(0);
 }
 
 #[test]

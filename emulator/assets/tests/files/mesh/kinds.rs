@@ -34,6 +34,7 @@ fn a_file_of_another_kind_is_named() {
     for (bytes, expected) in [
         (b"{\"metadata\": 1}".to_vec(), "a JSON text"),
         (b"ply\nformat ascii 1.0\n".to_vec(), "a PLY mesh"),
+        (b"PLY\r\nformat ascii 1.0\r\n".to_vec(), "a PLY mesh"),
         (b"ply\r\nformat binary_little_endian 1.0\r\n".to_vec(), "a PLY mesh"),
         (stl.as_bytes().to_vec(), "an STL mesh (text)"),
         (b"solid \nendsolid\n".to_vec(), "an STL mesh (text)"),

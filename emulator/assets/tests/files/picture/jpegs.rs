@@ -180,12 +180,13 @@ fn profiles_of_jpegs_decide_their_colours() {
 
 #[test]
 fn jpegs_of_other_kinds_are_named_for_what_they_are() {
-    let table: [(&str, Vec<u8>, &str); 12] = [
+    let table: [(&str, Vec<u8>, &str); 13] = [
         ("CMYK by Adobe", CMYK.to_vec(), "is a JPEG in colours for print (CMYK or YCCK), which is not read"),
         ("YCCK by Adobe", YCCK.to_vec(), "in colours for print (CMYK or YCCK)"),
         ("CMYK without a segment", without(CMYK, 0xee), "in colours for print (CMYK or YCCK)"),
         ("12 bits", TWELVE_BITS.to_vec(), "is a JPEG of 12 bits, which is not read"),
         ("lossless", LOSSLESS.to_vec(), "is a JPEG with lossless coding"),
+        ("JPEG-LS", framed(RESTART, 0xf7), "is a JPEG of the standard JPEG-LS"),
         ("arithmetic coding", framed(RESTART, 0xc9), "is a JPEG with arithmetic coding"),
         ("arithmetic coding, progressive", framed(RESTART, 0xca), "is a JPEG with arithmetic coding"),
         ("lossless arithmetic coding", framed(RESTART, 0xcb), "is a JPEG with arithmetic coding"),

@@ -261,3 +261,24 @@ fn damaged_textures_never_panic() {
         }
     }
 }
+
+/// Microsoft's D3DFMT_L8 and D3DFMT_A8L8: the flag of luminance, bits of a texel, a mask for red and one for alpha.
+#[test]
+fn grey_textures_of_the_older_header_are_read() {
+    let grey = |bits: u32, alpha: bool, texels: &[u8]| {
+        let mut bytes = dds_header([2, 1], 1, 0, &[0; 4], None);
+        let flags = 0x2_0000 | u32::from(alpha);
+        for (place, word) in [(80, flags), (88, bits), (92, 0xff), (104, if alpha { 0xff00 } else { 0 })] {
+            bytes[place..place + 4].copy_from_slice(&word.to_le_bytes());
+        }
+        [bytes, texels.to_vec()].concat()
+    };
+    for (kind, bytes) in [("L8", grey(8, false, &[50, 200])), ("A8L8", grey(16, true, &[50, 7, 200, 9]))] {
+        let read = read_as("a.dds", &bytes, Purpose::Heights).unwrap_or_else(|error| panic!("{kind}: {error}"));
+        for (x, code) in [(0, 50.0), (1, 200.0)] {
+            assert!((read.picture.pixel(x, 0)[0] - code / 255.0).abs() < 1e-6, "{kind}: {:?}", read.picture);
+        }
+    }
+    let error = read_as("a.dds", &grey(16, false, &[0; 4]), Purpose::Heights).unwrap_err().to_string();
+    assert!(error.contains("; export it as"), "{error}");
+}
