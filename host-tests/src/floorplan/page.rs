@@ -273,9 +273,10 @@ fn simulations(results: &Results) -> String {
         "\n## Netlists in a simulator\n\n\
          The netlist of Yosys runs with the models of cells of Yosys on fragments, hard cases and corner integers; the scalar backend gives the outcomes.\n\
          `stalls`: both sides of the handshake pause. `always-ready`: the receiver is tied to 1 before synthesis, so registers lose their enable.\n\
-         Tables are in LUTs on all but iCE40 (`-nobram`), for Yosys has no models of the memory blocks.\n\
-         It has no model of MULT18X18D (ECP5) and MULT18X18 (Gowin). Their models are \
-         [`multipliers.v`](../../host-tests/src/floorplan/multipliers.v), products without registers.\n\n{}",
+         Tables are in LUTs on Gowin and series 7 (`-nobram`), for there are no models of their memory blocks.\n\
+         Yosys has no models of MULT18X18D and DP16KD (ECP5) and of MULT18X18 (Gowin). They are in \
+         [`models.v`](../../host-tests/src/floorplan/models.v): products without registers, and memories that give x if a word is read while it is \
+         written.\n\n{}",
         table(&["netlist", "tools", "vectors", "outcome"], rows)
     )
 }

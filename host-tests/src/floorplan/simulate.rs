@@ -17,8 +17,11 @@ use super::yosys::{Yosys, write_text};
 use crate::designs::{expected, inputs};
 use crate::simulators::hdl;
 
-/// Models of multiplier blocks that Yosys lacks.
-const MULTIPLIERS: &str = include_str!("multipliers.v");
+/// Models of blocks that Yosys lacks.
+pub const MODELS: &str = include_str!("models.v");
+
+/// Pass that gives the memory blocks of ECP5 the name of their model. Yosys declares them as well, without a content.
+pub const OWN_MEMORIES: &str = "chtype -set ecp5_memory t:DP16KD";
 
 /// File of models that families of Lattice share.
 const COMMON: &str = "common_sim.vh";
@@ -42,16 +45,16 @@ impl Variant {
     ///
     /// Errors: the cell has no text, or its target is no device.
     pub fn key(&self, yosys: &Yosys, text: &Text) -> Result<String, String> {
-        Ok(hash(&[&text.hash, command(self.cell.target)?, &yosys.version, &self.name(), MULTIPLIERS]))
+        Ok(hash(&[&text.hash, command(self.cell.target)?, &yosys.version, &self.name(), MODELS]))
     }
 }
 
-/// Command that synthesises without cells of pins, and without memory blocks of which Yosys has no model.
+/// Command that synthesises without cells of pins, and without memory blocks of which there is no model.
 fn command(target: Target) -> Result<&'static str, String> {
     match target {
         Target::Asic => Err("nothing is synthesised for gates".to_owned()),
         Target::Ice40 => Ok("synth_ice40 -dsp"),
-        Target::Ecp5 => Ok("synth_ecp5 -nobram"),
+        Target::Ecp5 => Ok("synth_ecp5"),
         Target::Gowin => Ok("synth_gowin -family gw2a -noiopads -nobram"),
         Target::Xc7 => Ok("synth_xilinx -family xc7 -flatten -noiopad -noclkbuf -nobram"),
     }
@@ -86,7 +89,7 @@ pub fn simulate(yosys: &Yosys, variant: &Variant, count: usize, folder: &Path) -
     // A delay line is a vector that is assigned from itself. Icarus 11 would evaluate all of it for each of its bits. It aborts on some netlists
     // of which every vector is split.
     passes.extend(["splitnets */w:*.line", "clean -purge"].map(str::to_owned));
-    passes.push("write_verilog -noattr netlist.v".to_owned());
+    passes.extend([OWN_MEMORIES, "write_verilog -noattr netlist.v"].map(str::to_owned));
     yosys.run(folder, &passes)?;
 
     let options = variant.cell.options(None)?;
@@ -98,7 +101,7 @@ pub fn simulate(yosys: &Yosys, variant: &Variant, count: usize, folder: &Path) -
     let outputs: Vec<_> = inputs.iter().map(|ports| expected(Design::Reflection, ports, effects, p)).collect();
     let bench = Bench::new(&text.interface, &inputs, &outputs).map_err(|e| e.to_string())?;
     write_files(folder, bench.files()).map_err(|e| format!("{}: {e}", folder.display()))?;
-    write(&folder.join("multipliers.v"), MULTIPLIERS)?;
+    write(&folder.join("models.v"), MODELS)?;
     let report = icarus(yosys, variant, module, folder)?;
     let mismatch = (!report.contains("PASS") || report.contains("FAIL"))
         .then(|| report.lines().next().unwrap_or("the testbench prints nothing").to_owned());
@@ -122,7 +125,7 @@ fn icarus(yosys: &Yosys, variant: &Variant, module: &str, folder: &Path) -> Resu
     compile.args(["-I", "models", "-I", ".", "-I"]).arg(&share).arg(hdl("bench.v"));
     compile.args([&format!("{module}_flat.v"), "netlist.v"]).arg(share.join("cells_sim.v"));
     if matches!(target, Target::Ecp5 | Target::Gowin) {
-        compile.arg("multipliers.v");
+        compile.arg("models.v");
     }
     output(compile.current_dir(folder))?;
     let mut run = Command::new("vvp");

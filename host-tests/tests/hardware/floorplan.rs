@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::process::Command;
 
 use roughxel_cases::random_fragment;
 use roughxel_core::precision::Precision;
@@ -12,7 +13,7 @@ use roughxel_host_tests::floorplan::cell::{Cell, Plan, hash};
 use roughxel_host_tests::floorplan::device::{DEVICES, Device};
 use roughxel_host_tests::floorplan::place::{Nextpnr, utilisation, version_in};
 use roughxel_host_tests::floorplan::results::{self, Results};
-use roughxel_host_tests::floorplan::simulate::{Variant, simulate};
+use roughxel_host_tests::floorplan::simulate::{MODELS, OWN_MEMORIES, Variant, simulate};
 use roughxel_host_tests::floorplan::yosys::{Yosys, hash_without_places};
 use roughxel_host_tests::floorplan::{operations, page, picture, tools};
 use roughxel_host_tests::simulators::have;
@@ -185,4 +186,78 @@ fn an_ice40_netlist_of_a_folded_mirror_gives_the_scalar_bits() {
     let simulation = simulate(&yosys, &variant, 60, directory.path()).expect("the tools run");
     assert_eq!(simulation.mismatch, None);
     assert!(simulation.vectors > 50, "{}", simulation.vectors);
+}
+
+/// A ring of two words and a table, as a folded design has them in block memories.
+const MEMORIES: &str = "
+module memories (
+  input wire clk, enable, input wire [1:0] place, next, input wire [39:0] in, input wire [7:0] index,
+  output reg [39:0] out, output reg [15:0] entry
+);
+  (* ram_style = \"block\", no_rw_check *) reg [39:0] memory [0:3];
+  (* rom_style = \"block\" *) reg [15:0] table_ [0:255];
+  integer i;
+  initial for (i = 0; i < 256; i = i + 1) table_[i] = 40503 * i;
+  always @(posedge clk)
+    if (enable) begin
+      memory[place] <= in;
+      out <= memory[next];
+      entry <= table_[index];
+    end
+endmodule
+";
+
+/// Compares the netlist of the memories with their source, and then reads a word while it is written.
+const MEMORIES_BENCH: &str = "
+module bench;
+  reg clk = 0, enable = 0;
+  reg [1:0] place, next;
+  reg [39:0] in;
+  reg [7:0] index;
+  wire [39:0] out, wanted;
+  wire [15:0] entry, wanted_entry;
+  memories source (.clk(clk), .enable(enable), .place(place), .next(next), .in(in), .index(index), .out(wanted), .entry(wanted_entry));
+  netlist device (.clk(clk), .enable(enable), .place(place), .next(next), .in(in), .index(index), .out(out), .entry(entry));
+  integer cycle, wrong = 0;
+  initial begin
+    for (cycle = 0; cycle < 2000; cycle = cycle + 1) begin
+      enable = cycle < 4 || $random;
+      place = cycle;
+      next = place + 1 + $unsigned($random) % 3;
+      in = {$random, $random};
+      index = $random;
+      #1 clk = 1;
+      #1 clk = 0;
+      if (cycle > 8 && (out !== wanted || entry !== wanted_entry)) wrong = wrong + 1;
+    end
+    enable = 1;
+    next = place;
+    #1 clk = 1;
+    #1 if (out !== 40'bx) wrong = wrong + 1;
+    if (wrong == 0) $display(\"PASS\"); else $display(\"%0d are wrong\", wrong);
+  end
+endmodule
+";
+
+#[test]
+fn the_model_of_a_memory_block_of_ecp5_is_what_yosys_makes_of_a_memory() {
+    if !have("yosys") || !have("iverilog") {
+        return;
+    }
+    let directory = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary directory");
+    let folder = directory.path();
+    for (name, text) in [("memories.v", MEMORIES), ("bench.v", MEMORIES_BENCH), ("models.v", MODELS)] {
+        fs::write(folder.join(name), text).expect("the folder takes files");
+    }
+    let passes = ["read_verilog memories.v", "synth_ecp5 -top memories", "rename -top netlist", OWN_MEMORIES];
+    let passes = passes.into_iter().chain(["write_verilog -noattr netlist.v"]).map(str::to_owned);
+    Yosys::system().expect("yosys answers").run(folder, &passes.collect::<Vec<_>>()).expect("the passes run");
+    let netlist = text_of(&folder.join("netlist.v"));
+    assert_eq!(netlist.matches("ecp5_memory #(").count(), 3, "two blocks of 36 bits and one for the table");
+    let sources = ["bench.v", "memories.v", "netlist.v", "models.v"];
+    let mut compile = Command::new("iverilog");
+    compile.args(["-g2012", "-s", "bench", "-o", "b"]).args(sources).current_dir(folder);
+    assert!(compile.status().expect("iverilog runs").success());
+    let output = Command::new("vvp").args(["-N", "b"]).current_dir(folder).output().expect("vvp runs");
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "PASS");
 }
