@@ -55,7 +55,7 @@ const PICTURES: &[&str] = &[
     "ico", "cur", "psd", "jxl", "jxr", "jp2", "heic", "avif", "blp", "crn", "astc", "basis",
 ];
 
-/// What the ending of a name promises.
+/// Kind of file that the ending of a name promises, a word for messages.
 fn promise(path: &Path) -> &'static str {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let promised = ENDINGS.iter().find(|(_, endings)| endings.iter().any(|known| ending == *known));

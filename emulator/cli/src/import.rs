@@ -102,9 +102,10 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
 fn check_coordinates(path: &Path, model: &Model) -> Result<(), Failure> {
     let positions = model.parts.iter().flat_map(|part| &part.positions);
     let farthest = positions.map(|position| position.abs().max_element()).fold(0.0, f64::max);
-    let eye = text::camera(model).eye.abs().max_element();
+    let camera = text::camera(model);
+    let seen = camera.eye.abs().max(text::target(&camera).abs()).max_element();
     let shown = path.display();
-    let (what, at) = if farthest > MAX_COORDINATE { ("a position", farthest) } else { ("its camera", eye) };
+    let (what, at) = if farthest > MAX_COORDINATE { ("a position", farthest) } else { ("its camera", seen) };
     if at > MAX_COORDINATE {
         let message = format!("{shown} has {what} at {at:e}, beyond ±{MAX_COORDINATE:e} units");
         return Err(Failure::Error(miette!("{message}; move the model to the origin, or scale it down")));

@@ -9,7 +9,7 @@ use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
 use super::codes::{collect_pixels, colours_of, decode_table, name_channels};
-use super::colour::{Primaries, Transfer};
+use super::colour::{Primaries, REC_709, Transfer};
 use super::colour_words::ColourWords;
 use super::decoded::Decoded;
 use super::icc::profile_words;
@@ -25,8 +25,6 @@ const TRANSFER_FUNCTION: Tag = Tag::Unknown(301);
 const WHITE_POINT: Tag = Tag::Unknown(318);
 /// Tag of the chromaticities of red, green and blue.
 const PRIMARIES: Tag = Tag::Unknown(319);
-/// White of files that have primaries alone: D65.
-const D65: [f64; 2] = [0.3127, 0.329];
 /// Formats that this module reads, for remedies.
 const REMEDY: &str = "a TIFF in RGB or grey, of 8 or 16 bits or floats, uncompressed or by LZW or Deflate";
 
@@ -135,7 +133,7 @@ pub(super) fn read(
     Ok(Decoded { picture, statement, largest_code, channels: colours_of(channels) })
 }
 
-/// Primaries of the tags; `None` if a file has none of them, or other numbers of them.
+/// Primaries of the tags, under D65 if the file has no white; `None` if it has no six numbers for them.
 fn chromaticities(decoder: &mut Decoder<impl BufRead + Seek>) -> Result<Option<Primaries>, TiffError> {
     let mut numbers = |tag| -> Result<Vec<f64>, TiffError> {
         let Some(Value::List(list)) = decoder.find_tag(tag)? else { return Ok(Vec::new()) };
@@ -144,10 +142,10 @@ fn chromaticities(decoder: &mut Decoder<impl BufRead + Seek>) -> Result<Option<P
             Value::Float(number) => Some(f64::from(*number)).filter(|number| number.is_finite()),
             _ => None,
         };
-        Ok(list.iter().filter_map(number).collect())
+        Ok(list.iter().map(number).collect::<Option<_>>().unwrap_or_default())
     };
     let (colours, white) = (numbers(PRIMARIES)?, numbers(WHITE_POINT)?);
-    let white = white.try_into().unwrap_or(D65);
+    let white = white.try_into().unwrap_or(REC_709.white);
     Ok(colours.as_chunks::<2>().0.try_into().ok().map(|colours| Primaries { colours, white }))
 }
 

@@ -52,16 +52,15 @@ pub(super) fn object(part: &Part, path: &str, folder: &str, maps: &MaterialMaps)
 
 /// The whole file.
 pub(super) fn scene(model_path: &Path, model: &Model, objects: &[String]) -> String {
-    let ModelCamera { eye, forward, up, fov_y_degrees } = camera(model);
+    let camera = camera(model);
+    let ModelCamera { eye, up, fov_y_degrees, .. } = camera;
     let name = model_path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let shown = name.replace(|c: char| c.is_control(), " ");
-    // Far enough for six decimals, near enough for coordinates within the limit.
-    let target = eye + forward * eye.length().max(1.0);
     format!(
         "# Made from {shown} by `roughxel import`.\n\n[camera]\neye = {}\ntarget = {}\nup = {}\nfov_y = {:?}\n\n\
          [environment]\ngenerate = \"sky\"\n\n{}",
         numbers(eye.to_array()),
-        numbers(target.to_array()),
+        numbers(target(&camera).to_array()),
         numbers(up.to_array()),
         (fov_y_degrees * 1e3).round() / 1e3,
         objects.join("\n"),
@@ -71,6 +70,11 @@ pub(super) fn scene(model_path: &Path, model: &Model, objects: &[String]) -> Str
 /// The camera of a model, or one that sees all of it.
 pub(super) fn camera(model: &Model) -> ModelCamera {
     model.camera.unwrap_or_else(|| overview(model))
+}
+
+/// Point that a camera looks at: far enough for six decimals.
+pub(super) fn target(camera: &ModelCamera) -> DVec3 {
+    camera.eye + camera.forward * camera.eye.length().max(1.0)
 }
 
 /// A camera that sees all parts, from the front (+z) and a little above.

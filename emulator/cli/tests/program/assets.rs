@@ -24,7 +24,7 @@ fn model(material: Value) -> Vec<u8> {
     model_at(json!({ "mesh": 0, "name": "Left wing" }), material)
 }
 
-/// The same square in a node of one's own.
+/// A GLB of the square of [`model`] in a node of one's own.
 fn model_at(node: Value, material: Value) -> Vec<u8> {
     let mut chunk = floats([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]].concat());
     chunk.extend(floats([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].concat()));
@@ -48,7 +48,7 @@ fn model_at(node: Value, material: Value) -> Vec<u8> {
     positions["max"] = json!([1, 1, 0]);
     let json = json!({
         "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }],
-        "nodes": [node],
+        "nodes": [node], "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "indices": 2, "material": 0 }] }],
         "materials": [material],
         "textures": [{ "source": 0 }, { "source": 1 }, { "source": 2 }],
@@ -154,8 +154,15 @@ fn a_model_far_from_its_origin_is_not_imported() {
     let folder = Folder::new();
     let (glb, scene) = (folder.join("a.glb"), folder.join("a.toml"));
     let [glb_text, scene_text] = [&glb, &scene].map(|path| path.to_str().unwrap());
-    for (translation, scale, ends) in [(5.4e6, 1.0, 1), (0.0, 8e5, 1), (5.4e5, 1.0, 0)] {
-        let node = json!({ "mesh": 0, "translation": [translation, 0, 0], "scale": [scale, scale, scale] });
+    let node = |translation: [f64; 3], scale: f64| json!({ "mesh": 0, "translation": translation, "scale": [scale, scale, scale] });
+    // A camera looks along -z of its node.
+    let camera = |z: f64| json!({ "mesh": 0, "camera": 0, "translation": [0, 0, z] });
+    for (node, ends) in [
+        (node([5.4e6, 0.0, 0.0], 1.0), 1),
+        (node([0.0; 3], 8e5), 1),
+        (camera(-9e5), 1),
+        (node([5.4e5, 0.0, 0.0], 1.0), 0),
+    ] {
         fs::write(&glb, model_at(node, material())).unwrap();
         let run = roughxel(&["import", glb_text, "-o", scene_text]).ends(ends);
         if ends == 1 {
