@@ -3,12 +3,11 @@
 //! Whole frames through the integer datapath: visibility, fetches and the stages of each object's plan.
 //!
 //! Shading is deferred: the visible triangles of a tile first, then each pixel once, triangle by triangle. Fragments of an object
-//! wait until they fill a batch. The batch passes through footprints, maps, surfaces and the environment in lanes; lights take
-//! one fragment at a time. Tiles are independent, so the bits of a frame do not depend on the number of threads. Everything
-//! between texel and pixel is a stage of `roughxel-core`.
+//! wait until they fill a batch, which `roughxel-shader` takes through the stages in lanes. Tiles are independent, so the bits of a
+//! frame do not depend on the number of threads. Everything between texel and pixel is a stage of `roughxel-core`.
 //!
-//! [`raster`] finds the visible fragments, [`plan`] selects the stages of each object, `prepare` builds the maps and constants of
-//! the objects, `tile` finds the visible samples, `batch` takes waiting fragments through the stages.
+//! [`raster`] finds the visible fragments, and [`plan`] selects the stages of each object. `prepare` builds the maps and constants of
+//! the objects, and `shared` a map once for all that hold it. `tile` finds the visible samples; `fragments` makes ports of them.
 
 mod capture;
 mod colour;
@@ -20,6 +19,7 @@ pub mod plan;
 mod prepare;
 mod printed;
 pub mod raster;
+mod shared;
 mod texture;
 mod tile;
 

@@ -3,6 +3,8 @@
 //! Peaks of a map are texels whose value is the light they return. They are summed in the texel and filtered like any other texel
 //! value; the peaks themselves are never averaged (F92 §2.4).
 
+use std::sync::Arc;
+
 use roughxel_core::plan::{HorizonKind, SurfacePlan};
 use roughxel_core::ports::{Port, StoredHorizon, StoredPeak};
 use roughxel_core::precision::Precision;
@@ -12,24 +14,19 @@ use roughxel_scene::{Highlight, HighlightForm, Light, LightPlace, Material, Peak
 use roughxel_shader::{self as shader, Lighting, MOST_PEAKS, ObjectPlan, PackedPeak, PeakTexels, Shine, WrappedMap};
 
 use super::colour::colour_word;
-use super::printed;
-use crate::plan::Mode;
+use super::{printed, shared};
 
-/// Makes the lighting of an object; `pyramid` holds its peaks if they come from a map.
+/// Makes the lighting of an object; `map` holds its peaks if they come from a map.
 pub(super) fn lighting(
     material: &Material,
     plan: &ObjectPlan,
     lights: &[Light],
-    pyramid: Option<&PeakPyramid>,
-    mode: Mode,
+    map: Option<Arc<PeakTexels>>,
     p: &Precision,
 ) -> Option<Lighting> {
     match (&material.highlight, plan.highlight, &material.peaks, plan.peaks) {
         (Some(highlight), Some(plan), ..) => Some(of_highlight(highlight, lights, plan, p)),
-        (.., Some(peaks), Some(surface)) => {
-            let map = pyramid.map(|pyramid| peak_texels(pyramid, mode.filters(), plan.horizon));
-            Some(of_peaks(peaks, map, lights, surface, p))
-        }
+        (.., Some(peaks), Some(surface)) => Some(of_peaks(peaks, map, lights, surface, p)),
         _ => None,
     }
 }
@@ -47,7 +44,13 @@ fn of_highlight(highlight: &Highlight, lights: &[Light], plan: SurfacePlan, p: &
 }
 
 /// The peaks of a material, or those of its bump map if they come from a map.
-fn of_peaks(given: &Peaks, map: Option<PeakTexels>, lights: &[Light], plan: SurfacePlan, p: &Precision) -> Lighting {
+fn of_peaks(
+    given: &Peaks,
+    map: Option<Arc<PeakTexels>>,
+    lights: &[Light],
+    plan: SurfacePlan,
+    p: &Precision,
+) -> Lighting {
     let shine = match (&given.source, map) {
         (PeakSource::Given(given), _) => {
             let stored = given.iter().map(|peak| stored_peak(peak.normal, peak.amplitude, peak.exponent));
@@ -64,10 +67,18 @@ pub(super) fn with_plan(lighting: Lighting, plan: &ObjectPlan) -> Option<Lightin
     let surface =
         if matches!(lighting.shine, Shine::Highlight(_) | Shine::Formula(_)) { plan.highlight } else { plan.peaks };
     let shine = match lighting.shine {
-        Shine::Map(map) if plan.horizon == HorizonKind::None => Shine::Map(map.without_horizons()),
+        Shine::Map(map) if plan.horizon == HorizonKind::None => Shine::Map(Arc::new(map.without_horizons())),
         shine => shine,
     };
     Some(Lighting { plan: surface?, shine, ..lighting })
+}
+
+/// Address of the peaks' map, which objects may share, or of a lighting that has none.
+pub(super) fn address(lighting: &Lighting) -> usize {
+    match &lighting.shine {
+        Shine::Map(map) => shared::address(&**map),
+        _ => shared::address(lighting),
+    }
 }
 
 /// Bytes of the stored peaks and of their horizons.
@@ -85,7 +96,7 @@ pub(super) fn bytes(lighting: &Lighting) -> [u64; 2] {
 
 /// The stored peaks of every texel of a pyramid, or only of its base if nothing is filtered. They have horizons if the material
 /// has shadows.
-fn peak_texels(pyramid: &PeakPyramid, filters: bool, kind: HorizonKind) -> PeakTexels {
+pub(super) fn peak_texels(pyramid: &PeakPyramid, filters: bool, kind: HorizonKind) -> PeakTexels {
     const _: () = assert!(MAX_PEAKS <= MOST_PEAKS, "lanes read MOST_PEAKS at most");
     let kept = if filters { &pyramid.levels } else { &pyramid.levels[..1] };
     let stored = |peak: &pyramid::Peak| packed(stored_peak(peak.normal, peak.amplitude, peak.exponent));

@@ -1,27 +1,27 @@
 //! Preparation of a frame: the maps and constants of a scene's objects, for one profile and mode.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use roughxel_core::datapath::LobeLaw;
 use roughxel_core::fx::Fx;
 use roughxel_core::precision::Precision;
 use roughxel_core::scalar_api::environment_scale;
 use roughxel_core::setup::block_vector;
 use roughxel_core::signals::MapScale;
 use roughxel_maps::bump::BumpPyramid;
-use roughxel_maps::law::Law;
 use roughxel_peaks::ScenePeaks;
 use roughxel_scene::{Light, LightPlace, Scene};
-use roughxel_shader::{BumpMap, CubeTexels, Effect, Environment, Material, ObjectPlan, Shader, core_and_whole};
+use roughxel_shader::{BumpMap, CubeTexels, Effect, Environment, Material, ObjectPlan, Shader};
 use roughxel_simd::Backend;
 
 use super::colour::colour_word;
 use super::environment::EnvironmentMap;
 use super::frame::Frame;
-use super::lighting::{self, lighting};
+use super::lighting::{self, lighting, peak_texels};
+use super::shared::{PlannedBumps, address, shared};
 use super::texture::{StoredBumps, colour_map};
 use crate::plan::{Decision, Mode, decisions, object_plan};
 use crate::raster::{Projection, RasterError};
@@ -77,7 +77,7 @@ fn standing(light: &Light) -> Option<DVec3> {
 }
 
 /// A bump map and the bytes of its storage.
-fn split(bumps: Option<StoredBumps>) -> (Option<BumpMap>, [u64; 2]) {
+fn split(bumps: Option<StoredBumps>) -> (Option<Arc<BumpMap>>, [u64; 2]) {
     bumps.map_or((None, [0; 2]), |StoredBumps { map, bytes }| (Some(map), bytes))
 }
 
@@ -123,37 +123,47 @@ impl<'a> Prepared<'a> {
         let projection = Projection::new(&scene.camera)?;
         let edge = environment.as_ref().map_or(1, |map| map.edge());
         let light_points: Vec<DVec3> = scene.lights.iter().filter_map(standing).collect();
-        let objects = scene
-            .objects
-            .par_iter()
-            .enumerate()
-            .map(|(index, object)| {
-                let own = &object.material;
-                let shows_bumps = environment.is_some() || own.highlight.is_some();
-                let bump = shows_bumps.then(|| BumpPyramid::of_material(own, mode.filters(), &precision)).flatten();
-                let plan = object_plan(object, bump.as_ref(), environment.is_some(), mode, &precision);
-                let laws = bump.iter().flat_map(|bump| &bump.laws).map(Law::ports);
-                let mut lobes: Vec<LobeLaw<i32>> = laws.collect();
-                if lobes.is_empty() {
-                    lobes.push(core_and_whole());
-                }
-                let bumps = bump.and_then(|bump| StoredBumps::new(bump).with_plan(&plan));
-                let (bump_map, bump_bytes) = split(bumps);
-                let share = |r: f32| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32);
-                let material = Material {
-                    plan,
-                    colour: colour_word(own.colour),
-                    reflectance: own.reflectance.map(share),
-                    main_direction: block_vector(own.main_direction, &precision),
-                    colour_map: own.colour_map.as_ref().map(|map| colour_map(map, mode.filters())),
-                    bump_map,
-                    lobes,
-                    lighting: lighting(own, &plan, &scene.lights, peaks.pyramid(index), mode, &precision),
-                };
-                let decisions = decisions(&plan, object, mode, &precision);
-                PreparedObject { material, decisions, light_points: light_points.clone(), bump_bytes }
-            })
-            .collect();
+        let (objects, filters) = (&scene.objects, mode.filters());
+        let colour_maps =
+            shared(objects.iter().map(|object| object.material.colour_map.as_deref().map(address)), |group| {
+                let own = objects[group[0]].material.colour_map.as_deref();
+                vec![own.map(|picture| Arc::new(colour_map(picture, filters))); group.len()]
+            });
+        let planned = shared(objects.iter().map(|object| BumpPyramid::key(&object.material)), |group| {
+            let own = &objects[group[0]].material;
+            let shows_bumps = environment.is_some() || own.highlight.is_some();
+            let bump = shows_bumps.then(|| BumpPyramid::of_material(own, filters, &precision)).flatten();
+            let plan =
+                |&index: &usize| object_plan(&objects[index], bump.as_ref(), environment.is_some(), mode, &precision);
+            let plans = group.par_iter().map(plan).collect();
+            PlannedBumps::of(bump, plans)
+        });
+        let horizons = planned.iter().map(|planned| planned.plan.horizon);
+        let peak_keys =
+            horizons.clone().enumerate().map(|(index, kind)| (peaks.pyramid(index).map(address), kind as u8));
+        let peak_maps = shared(peak_keys, |group| {
+            let (pyramid, kind) = (peaks.pyramid(group[0]), planned[group[0]].plan.horizon);
+            vec![pyramid.map(|pyramid| Arc::new(peak_texels(pyramid, filters, kind))); group.len()]
+        });
+        let maps = colour_maps.into_par_iter().zip(planned).zip(peak_maps);
+        let objects = objects.par_iter().zip(maps).map(|(object, ((colour_map, planned), peaks))| {
+            let (own, PlannedBumps { plan, lobes, bumps }) = (&object.material, planned);
+            let (bump_map, bump_bytes) = split(bumps);
+            let share = |r: f32| Fx::from_raw((f64::from(r).clamp(0.0, 1.0) * 65536.0).round() as i32);
+            let material = Material {
+                plan,
+                colour: colour_word(own.colour),
+                reflectance: own.reflectance.map(share),
+                main_direction: block_vector(own.main_direction, &precision),
+                colour_map,
+                bump_map,
+                lobes,
+                lighting: lighting(own, &plan, &scene.lights, peaks, &precision),
+            };
+            let decisions = decisions(&plan, object, mode, &precision);
+            PreparedObject { material, decisions, light_points: light_points.clone(), bump_bytes }
+        });
+        let objects = objects.collect();
         let environment_scale = environment_scale(edge as u16, &precision);
         let backend = Backend::best();
         let mirror = Material::mirror(mode.filters());
@@ -218,15 +228,17 @@ impl<'a> Prepared<'a> {
         .collect()
     }
 
-    /// Bytes of all maps. Maps that objects share count once for each object, the environment once.
+    /// Bytes of all maps. A map that objects share counts once.
     pub fn all_map_bytes(&self) -> u64 {
         let of_object = |object: &PreparedObject| {
-            let Material { colour_map, lighting, .. } = &object.material;
-            let colour = colour_map.as_ref().map_or(0, |map| map.texels.bytes());
-            let lighting = lighting.as_ref().map_or([0; 2], lighting::bytes);
-            colour + object.bump_bytes.into_iter().chain(lighting).sum::<u64>()
+            let Material { colour_map, bump_map, lighting, .. } = &object.material;
+            let colour = colour_map.as_ref().map(|map| (address(&**map), map.texels.bytes()));
+            let bumps = bump_map.as_ref().map(|map| (address(&**map), object.bump_bytes.into_iter().sum()));
+            let lights = lighting.as_ref().map(|own| (lighting::address(own), lighting::bytes(own).into_iter().sum()));
+            [colour, bumps, lights].into_iter().flatten()
         };
-        self.environment.as_ref().map_or(0, |map| map.bytes()) + self.objects.iter().map(of_object).sum::<u64>()
+        let maps: BTreeMap<usize, u64> = self.objects.iter().flat_map(of_object).collect();
+        self.environment.as_ref().map_or(0, |map| map.bytes()) + maps.into_values().sum::<u64>()
     }
 
     /// Most bytes at a time from the frame to its file: [`Frame::BYTES_A_PIXEL`] for each pixel.

@@ -1,5 +1,7 @@
 //! The maps of objects in the form that the shader reads.
 
+use std::sync::Arc;
+
 use roughxel_assets::Picture;
 use roughxel_core::datapath::texel;
 use roughxel_core::fx::Fx;
@@ -23,17 +25,18 @@ pub fn colour_map(picture: &Picture, filters: bool) -> ColourMap {
 }
 
 /// A bump map with roughness, and the size of its storage.
+#[derive(Clone)]
 pub(super) struct StoredBumps {
     /// Values that the hardware derives from a fetched texel depend on that texel only, so they are stored. The offset of a map
     /// with roughness keeps one shift for later; storing it shifted would make a texel half as large again.
-    pub(super) map: BumpMap,
+    pub(super) map: Arc<BumpMap>,
     /// Bytes of offsets and of roughness in the stored format.
     pub(super) bytes: [u64; 2],
 }
 
 impl StoredBumps {
     /// Decodes a pyramid into moments.
-    pub(super) fn new(pyramid: BumpPyramid) -> Self {
+    pub(super) fn new(pyramid: &BumpPyramid) -> Self {
         let scale = pyramid.format.scale();
         let kind = pyramid.format.roughness.kind();
         let codes = pyramid.levels.iter().flat_map(|level| level.codes(&pyramid.format));
@@ -54,15 +57,19 @@ impl StoredBumps {
             let [texels, rough] = [level.offsets.len(), level.roughness.len()].map(|count| count as u64);
             [offsets + 4 * texels, roughness + (rough * roughness_bits).div_ceil(8)]
         });
-        Self { map: BumpMap { texels, scale }, bytes }
+        Self { map: Arc::new(BumpMap { texels, scale }), bytes }
     }
 
     /// The part of the bumps that a plan reads.
-    pub(super) fn with_plan(self, plan: &ObjectPlan) -> Option<Self> {
-        let smooth = |Self { map: BumpMap { texels, scale }, bytes: [offsets, _] }: Self| Self {
-            map: BumpMap { texels: texels.without_roughness(&scale), scale },
-            bytes: [offsets, 0],
-        };
-        plan.bump_map().then(|| if plan.roughness() == RoughnessKind::None { smooth(self) } else { self })
+    pub(super) fn with_plan(&self, plan: &ObjectPlan) -> Option<Self> {
+        let keeps_all = plan.roughness() != RoughnessKind::None || matches!(self.map.texels, BumpTexels::Smooth(_));
+        let part = || if keeps_all { self.clone() } else { self.without_roughness() };
+        plan.bump_map().then(part)
+    }
+
+    fn without_roughness(&self) -> Self {
+        let BumpMap { texels, scale } = &*self.map;
+        let map = BumpMap { texels: texels.without_roughness(scale), scale: *scale };
+        Self { map: Arc::new(map), bytes: [self.bytes[0], 0] }
     }
 }

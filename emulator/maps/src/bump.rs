@@ -9,6 +9,8 @@
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use crate::law::{Histogram, Law, laws};
 use crate::mip::{for_each_level, round_ratio};
 use crate::roughness::{AddedRoughness, Covariance, Moments, RoughnessStorage, concentration, moments};
@@ -140,7 +142,28 @@ pub struct BumpPyramid {
     pub laws: Vec<Law>,
 }
 
+/// Everything in a material that its pyramid depends on; valid while the maps of the material live.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct BumpKey {
+    /// Addresses of the bump map and of the roughness map.
+    maps: [Option<usize>; 2],
+    negate: bool,
+    deviation: Deviation,
+    has_highlight: bool,
+}
+
 impl BumpPyramid {
+    /// Key of a material. [`Self::of_material`] returns the same pyramid for materials with equal keys.
+    pub fn key(material: &Material) -> BumpKey {
+        let bump = material.bump.as_ref().map(|bump| Arc::as_ptr(bump).addr());
+        BumpKey {
+            maps: [bump, material.roughness.as_ref().map(|roughness| Arc::as_ptr(roughness).addr())],
+            negate: material.frame != FrameSystem::MainDirection,
+            deviation: material.deviation,
+            has_highlight: material.highlight.is_some(),
+        }
+    }
+
     /// The pyramid of a material for a profile. Without filters it is the base alone, rough only if a highlight shows a
     /// roughness map.
     ///

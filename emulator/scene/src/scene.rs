@@ -114,7 +114,7 @@ pub enum FootprintPlace {
 }
 
 /// Bumps that decide the roughness of a level that no longer shows them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Deviation {
     /// Most bumps: the standard deviation times the squared mean of |deviation| in units of the normal law's. The factor is clamped to ½…1. It is 1

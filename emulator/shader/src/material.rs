@@ -1,6 +1,7 @@
 //! Materials: constants and maps with which the fragments of an object are shaded, in addition to their attributes.
 
 use std::fmt;
+use std::sync::Arc;
 
 use roughxel_core::datapath::{LobeLaw, Surface};
 use roughxel_core::fx::{Control, Fx};
@@ -17,7 +18,7 @@ use crate::texels::WrappedMap;
 /// A channel of a colour on its wire, I8F24.
 pub type Channel = Control<i32, LIGHT>;
 
-/// Maps and constants of an object, and the stages that its fragments go through.
+/// Maps and constants of an object, and the stages that its fragments go through. Objects can share maps.
 #[derive(Debug)]
 pub struct Material {
     /// Plan of its stages.
@@ -29,9 +30,9 @@ pub struct Material {
     /// Direction on which tangent bases of system 3 are built.
     pub main_direction: BlockVector,
     /// Colours that vary over the object.
-    pub colour_map: Option<ColourMap>,
+    pub colour_map: Option<Arc<ColourMap>>,
     /// Bumps and roughness.
-    pub bump_map: Option<BumpMap>,
+    pub bump_map: Option<Arc<BumpMap>>,
     /// Laws of two lobes on the levels of the bump map, the finest first, at least one.
     pub lobes: Vec<LobeLaw<i32>>,
     /// Lights and highlights of the object.
@@ -135,7 +136,7 @@ pub enum Shine {
     /// Peaks that are the same everywhere.
     Given(Vec<PackedPeak>),
     /// Peaks of a map.
-    Map(PeakTexels),
+    Map(Arc<PeakTexels>),
 }
 
 /// Share of a light that a surface returns.

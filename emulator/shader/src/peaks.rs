@@ -81,9 +81,10 @@ impl PeakTexels {
         !self.horizons.is_empty()
     }
 
-    /// Drops the horizons.
-    pub fn without_horizons(self) -> Self {
-        Self { horizons: Vec::new(), ..self }
+    /// A copy without horizons.
+    pub fn without_horizons(&self) -> Self {
+        let Self { map, begins, peaks, kind, .. } = self;
+        Self { map: map.clone(), begins: begins.clone(), peaks: peaks.clone(), horizons: Vec::new(), kind: *kind }
     }
 }
 

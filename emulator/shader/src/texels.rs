@@ -323,16 +323,16 @@ pub enum BumpTexels {
 
 impl BumpTexels {
     /// Offsets alone, in half the memory, which take half the fetches.
-    pub fn without_roughness(self, scale: &BumpScale<i32>) -> Self {
+    pub fn without_roughness(&self, scale: &BumpScale<i32>) -> Self {
         match self {
-            Self::Smooth(_) => self,
+            Self::Smooth(texels) => Self::Smooth(texels.clone()),
             Self::Rough(MapTexels { map, words, .. }) => {
                 let offset = |rough: &[u64; 2]| {
                     let codes = [rough[0] as i16, (rough[0] >> 16) as i16];
                     wide(codes.map(|code| moments::decode_offset(Fx::from_raw(code.into()), scale.offset_down).raw()))
                 };
                 let words = words.as_chunks().0.iter().map(offset).collect();
-                Self::Smooth(MapTexels { map, words, texel: PhantomData })
+                Self::Smooth(MapTexels { map: map.clone(), words, texel: PhantomData })
             }
         }
     }

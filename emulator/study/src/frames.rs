@@ -95,10 +95,6 @@ impl Judge {
     pub fn frame(&self, mode: Mode, p: &Precision) -> Result<(Frame, FrameFigures), StudyError> {
         let prepared = self.subject.prepare(mode, p)?;
         let (frame, counted) = prepared.render_counted(&|| ())?;
-        let mut maps: Vec<_> = (0..self.scene().objects.len()).flat_map(|object| prepared.map_bytes(object)).collect();
-        // Objects share one environment.
-        maps.sort_unstable_by_key(|&(effect, bytes)| (effect.name(), bytes));
-        maps.dedup_by_key(|(effect, bytes)| (effect.name(), *bytes));
         let drawn = RealPicture::from(&frame);
         let finite = |psnr: f64| psnr.is_finite().then_some(psnr);
         let footprint = mode == Mode::Footprint;
@@ -111,7 +107,7 @@ impl Judge {
             ssim_truth: ssim(&frame.picture(), &self.truth_shown),
             flip_truth: flip(&frame.picture(), &self.truth_shown),
             texels: counted.texels as f64 / frame.pixels.len() as f64,
-            map_bytes: maps.iter().map(|(_, bytes)| bytes).sum(),
+            map_bytes: prepared.all_map_bytes(),
             digest: frame.digest(),
         };
         Ok((frame, figures))
