@@ -110,3 +110,8 @@ pub(super) fn new_table<const N: usize>(header: [&str; N]) -> Table {
     table.load_style(presets::UTF8_FULL_CONDENSED).set_header(header);
     table
 }
+
+/// A number of things: `1 part`, `2 parts`.
+pub(super) fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}

@@ -15,7 +15,7 @@ use roughxel_assets::gltf::{Model, Part, read_model};
 use roughxel_utilities::limits::MAX_COORDINATE;
 use roughxel_utilities::output::write_files;
 
-use super::console::complain;
+use super::console::{complain, counted};
 use super::{Failure, check_file, file_stem, write_text};
 
 pub(super) const LONG_HELP: &str = "\
@@ -90,11 +90,8 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     }
     let triangles: usize = model.parts.iter().map(|part| part.triangles.len()).sum();
     let shown = output.display();
-    writeln!(
-        io::stdout().lock(),
-        "{shown}: {} objects, {triangles} triangles; draw it: roughxel render {shown}",
-        objects.len()
-    )?;
+    let contents = format!("{}, {}", counted(objects.len(), "object"), counted(triangles, "triangle"));
+    writeln!(io::stdout().lock(), "{shown}: {contents}; draw it: roughxel render {shown}")?;
     Ok(())
 }
 
@@ -103,7 +100,7 @@ fn check_coordinates(path: &Path, model: &Model) -> Result<(), Failure> {
     let positions = model.parts.iter().flat_map(|part| &part.positions);
     let farthest = positions.map(|position| position.abs().max_element()).fold(0.0, f64::max);
     let camera = text::camera(model);
-    let seen = camera.eye.abs().max(text::target(&camera).abs()).max_element();
+    let seen = camera.eye.abs().max(text::target(&camera, model).abs()).max_element();
     let shown = path.display();
     let (what, at) = if farthest > MAX_COORDINATE { ("a position", farthest) } else { ("its camera", seen) };
     if at > MAX_COORDINATE {

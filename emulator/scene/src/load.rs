@@ -24,7 +24,7 @@ use crate::scene::{Background, Camera, Scene};
 use crate::source::{Exactly, Source};
 use roughxel_utilities::input::open_file;
 use roughxel_utilities::limits::{
-    LENGTHS, MAX_COORDINATE, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES, frame_size_is_allowed,
+    MAX_COORDINATE, MAX_FRAME_EDGE_PX, MAX_FRAME_PIXELS, MAX_SCENE_BYTES, frame_size_is_allowed,
 };
 use roughxel_utilities::suggestions::did_you_mean;
 
@@ -160,7 +160,8 @@ fn camera(source: &Source, camera: &CameraDescription) -> Result<Camera, SceneEr
     let target = point("target", &camera.target)?;
     let up = camera.up.as_ref().map_or(Ok(DVec3::Y), |up| point("up", up))?;
     let sight = target - eye;
-    if sight.length() < *LENGTHS.start() {
+    // Nearer points have no direction but that of their last digits.
+    if sight.length() <= 1e-9 * eye.abs().max(target.abs()).max_element() {
         let help = "move them apart: the camera looks from `eye` to `target`";
         return Err(source.value_error(camera.target.span(), "`target` is where `eye` is", help));
     }

@@ -8,8 +8,8 @@ type DecodeBlock = fn(&[u8], &mut [u8]);
 /// Format of the texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TexelFormat {
-    /// 8-bit codes: bytes a texel, and the places of red, green, blue.
-    Codes(usize, [usize; 3]),
+    /// 8-bit codes.
+    Codes(Places),
     /// Half floats: numbers a texel.
     Half(usize),
     /// Floats: numbers a texel.
@@ -34,14 +34,48 @@ pub(super) enum TexelFormat {
     Bc7,
 }
 
+/// Places of 8-bit codes in a texel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Places {
+    /// Bytes of a texel.
+    bytes: usize,
+    /// Bytes of grey, of red and green, or of red, green and blue.
+    colours: &'static [usize],
+    /// True if a byte is alpha.
+    has_alpha: bool,
+}
+
+impl Places {
+    pub(super) const GREY: Self = Self { bytes: 1, colours: &[0], has_alpha: false };
+    pub(super) const GREY_ALPHA: Self = Self { bytes: 2, colours: &[0], has_alpha: true };
+    pub(super) const RG: Self = Self { bytes: 2, colours: &[0, 1], has_alpha: false };
+    pub(super) const RGB: Self = Self { bytes: 3, colours: &[0, 1, 2], has_alpha: false };
+    pub(super) const BGR: Self = Self { bytes: 3, colours: &[2, 1, 0], has_alpha: false };
+    pub(super) const RGBA: Self = Self { bytes: 4, colours: &[0, 1, 2], has_alpha: true };
+    pub(super) const BGRA: Self = Self { bytes: 4, colours: &[2, 1, 0], has_alpha: true };
+    pub(super) const RGBX: Self = Self { has_alpha: false, ..Self::RGBA };
+    pub(super) const BGRX: Self = Self { has_alpha: false, ..Self::BGRA };
+}
+
 impl TexelFormat {
     /// Channels of a texel that become a picture: 1, 2 or 3.
     pub(super) fn channels(self) -> usize {
         match self {
-            Self::Codes(count, _) | Self::Half(count) | Self::Float(count) => count.min(3),
+            Self::Codes(places) => places.colours.len(),
+            Self::Half(count) | Self::Float(count) => count.min(3),
             Self::Bc4 => 1,
             Self::Bc5 => 2,
             _ => 3,
+        }
+    }
+
+    /// True if texels have alpha, which is ignored. Blocks of BC1 can be opaque or not; they count as opaque.
+    pub(super) fn has_alpha(self) -> bool {
+        match self {
+            Self::Codes(places) => places.has_alpha,
+            Self::Half(count) | Self::Float(count) => count == 4,
+            Self::Bc2 | Self::Bc3 | Self::Bc7 => true,
+            _ => false,
         }
     }
 
@@ -55,7 +89,7 @@ impl TexelFormat {
         let texels = width as usize * height as usize;
         let blocks = width.div_ceil(4) as usize * height.div_ceil(4) as usize;
         match self {
-            Self::Codes(bytes, _) => bytes * texels,
+            Self::Codes(places) => places.bytes * texels,
             Self::Half(count) => 2 * count * texels,
             Self::Float(count) => 4 * count * texels,
             Self::SharedExponent | Self::Packed11 => 4 * texels,
@@ -80,9 +114,9 @@ impl TexelFormat {
             _ => [0, 1, 2].map(number),
         };
         match self {
-            Self::Codes(count, places) => bytes
-                .chunks_exact(count)
-                .map(|texel| some(count, &|channel| table[usize::from(texel[places[channel]])]))
+            Self::Codes(Places { bytes: size, colours, .. }) => bytes
+                .chunks_exact(size)
+                .map(|texel| some(colours.len(), &|channel| table[usize::from(texel[colours[channel]])]))
                 .collect(),
             Self::Half(count) => {
                 bytes.chunks_exact(2 * count).map(|texel| some(count, &|at| half(texel, at))).collect()

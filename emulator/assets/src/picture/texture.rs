@@ -9,7 +9,7 @@ use super::PictureError;
 use super::colour::{ColourSpace, Primaries, Transfer};
 use super::colour_words::ColourWords;
 use super::orientation::Orientation;
-use super::texels::TexelFormat;
+use super::texels::{Places, TexelFormat};
 
 /// Beginning of a DDS file.
 const DDS: &[u8; 4] = b"DDS ";
@@ -189,12 +189,12 @@ fn ktx2_content<'a>(
 fn ktx2_format(format: ktx2::Format) -> Option<TexelFormat> {
     use ktx2::Format as F;
     Some(match format {
-        F::R8_UNORM | F::R8_SRGB => TexelFormat::Codes(1, [0; 3]),
-        F::R8G8_UNORM | F::R8G8_SRGB => TexelFormat::Codes(2, [0, 1, 1]),
-        F::R8G8B8_UNORM | F::R8G8B8_SRGB => TexelFormat::Codes(3, [0, 1, 2]),
-        F::B8G8R8_UNORM | F::B8G8R8_SRGB => TexelFormat::Codes(3, [2, 1, 0]),
-        F::R8G8B8A8_UNORM | F::R8G8B8A8_SRGB => TexelFormat::Codes(4, [0, 1, 2]),
-        F::B8G8R8A8_UNORM | F::B8G8R8A8_SRGB => TexelFormat::Codes(4, [2, 1, 0]),
+        F::R8_UNORM | F::R8_SRGB => TexelFormat::Codes(Places::GREY),
+        F::R8G8_UNORM | F::R8G8_SRGB => TexelFormat::Codes(Places::RG),
+        F::R8G8B8_UNORM | F::R8G8B8_SRGB => TexelFormat::Codes(Places::RGB),
+        F::B8G8R8_UNORM | F::B8G8R8_SRGB => TexelFormat::Codes(Places::BGR),
+        F::R8G8B8A8_UNORM | F::R8G8B8A8_SRGB => TexelFormat::Codes(Places::RGBA),
+        F::B8G8R8A8_UNORM | F::B8G8R8A8_SRGB => TexelFormat::Codes(Places::BGRA),
         F::R16_SFLOAT => TexelFormat::Half(1),
         F::R16G16_SFLOAT => TexelFormat::Half(2),
         F::R16G16B16_SFLOAT => TexelFormat::Half(3),
@@ -258,11 +258,11 @@ fn dds_content<'a>(path: &Path, dds: &'a ddsfile::Dds, images: usize) -> Result<
 fn dxgi_format(format: ddsfile::DxgiFormat) -> Option<(TexelFormat, Option<Transfer>)> {
     use ddsfile::DxgiFormat as F;
     let texels = match format {
-        F::R8_UNorm | F::R8_Typeless => TexelFormat::Codes(1, [0; 3]),
-        F::R8G8_UNorm | F::R8G8_Typeless => TexelFormat::Codes(2, [0, 1, 1]),
-        F::R8G8B8A8_UNorm | F::R8G8B8A8_UNorm_sRGB | F::R8G8B8A8_Typeless => TexelFormat::Codes(4, [0, 1, 2]),
-        F::B8G8R8A8_UNorm | F::B8G8R8A8_UNorm_sRGB | F::B8G8R8A8_Typeless => TexelFormat::Codes(4, [2, 1, 0]),
-        F::B8G8R8X8_UNorm | F::B8G8R8X8_UNorm_sRGB | F::B8G8R8X8_Typeless => TexelFormat::Codes(4, [2, 1, 0]),
+        F::R8_UNorm | F::R8_Typeless => TexelFormat::Codes(Places::GREY),
+        F::R8G8_UNorm | F::R8G8_Typeless => TexelFormat::Codes(Places::RG),
+        F::R8G8B8A8_UNorm | F::R8G8B8A8_UNorm_sRGB | F::R8G8B8A8_Typeless => TexelFormat::Codes(Places::RGBA),
+        F::B8G8R8A8_UNorm | F::B8G8R8A8_UNorm_sRGB | F::B8G8R8A8_Typeless => TexelFormat::Codes(Places::BGRA),
+        F::B8G8R8X8_UNorm | F::B8G8R8X8_UNorm_sRGB | F::B8G8R8X8_Typeless => TexelFormat::Codes(Places::BGRX),
         F::R16_Float => TexelFormat::Half(1),
         F::R16G16_Float => TexelFormat::Half(2),
         F::R16G16B16A16_Float => TexelFormat::Half(4),
@@ -296,8 +296,8 @@ fn luminance(format: &ddsfile::PixelFormat) -> Option<(TexelFormat, &'static str
     use ddsfile::PixelFormatFlags as Flags;
     let is_grey = format.flags.contains(Flags::LUMINANCE);
     match (format.rgb_bit_count.filter(|_| is_grey)?, format.flags.contains(Flags::ALPHA_PIXELS)) {
-        (8, false) => Some((TexelFormat::Codes(1, [0; 3]), "L8")),
-        (16, true) => Some((TexelFormat::Codes(2, [0; 3]), "A8L8")),
+        (8, false) => Some((TexelFormat::Codes(Places::GREY), "L8")),
+        (16, true) => Some((TexelFormat::Codes(Places::GREY_ALPHA), "A8L8")),
         _ => None,
     }
 }
@@ -305,9 +305,11 @@ fn luminance(format: &ddsfile::PixelFormat) -> Option<(TexelFormat, &'static str
 fn d3d_format(format: ddsfile::D3DFormat) -> Option<TexelFormat> {
     use ddsfile::D3DFormat as D;
     Some(match format {
-        D::A8R8G8B8 | D::X8R8G8B8 => TexelFormat::Codes(4, [2, 1, 0]),
-        D::A8B8G8R8 | D::X8B8G8R8 => TexelFormat::Codes(4, [0, 1, 2]),
-        D::R8G8B8 => TexelFormat::Codes(3, [2, 1, 0]),
+        D::A8R8G8B8 => TexelFormat::Codes(Places::BGRA),
+        D::X8R8G8B8 => TexelFormat::Codes(Places::BGRX),
+        D::A8B8G8R8 => TexelFormat::Codes(Places::RGBA),
+        D::X8B8G8R8 => TexelFormat::Codes(Places::RGBX),
+        D::R8G8B8 => TexelFormat::Codes(Places::BGR),
         D::R16F => TexelFormat::Half(1),
         D::G16R16F => TexelFormat::Half(2),
         D::A16B16G16R16F => TexelFormat::Half(4),

@@ -21,6 +21,14 @@ fn numbers(all: impl IntoIterator<Item = f64>) -> String {
     format!("[{}]", all.join(", "))
 }
 
+/// A place with six decimals, or with nine digits if it is near: six decimals would lose a model of a few micrometres.
+fn place(point: DVec3) -> String {
+    let largest = point.abs().max_element().max(f64::MIN_POSITIVE);
+    let unit = 10.0_f64.powi((8 - largest.log10().floor() as i32).clamp(6, 22));
+    let all = point.to_array().map(|number| format!("{:?}", (number * unit).round() / unit + 0.0));
+    format!("[{}]", all.join(", "))
+}
+
 /// The `[[object]]` of a part.
 pub(super) fn object(part: &Part, path: &str, folder: &str, maps: &MaterialMaps) -> String {
     let mut text = format!(
@@ -59,8 +67,8 @@ pub(super) fn scene(model_path: &Path, model: &Model, objects: &[String]) -> Str
     format!(
         "# Made from {shown} by `roughxel import`.\n\n[camera]\neye = {}\ntarget = {}\nup = {}\nfov_y = {:?}\n\n\
          [environment]\ngenerate = \"sky\"\n\n{}",
-        numbers(eye.to_array()),
-        numbers(target(&camera).to_array()),
+        place(eye),
+        place(target(&camera, model)),
         numbers(up.to_array()),
         (fov_y_degrees * 1e3).round() / 1e3,
         objects.join("\n"),
@@ -72,17 +80,25 @@ pub(super) fn camera(model: &Model) -> ModelCamera {
     model.camera.unwrap_or_else(|| overview(model))
 }
 
-/// Point that a camera looks at: far enough for six decimals.
-pub(super) fn target(camera: &ModelCamera) -> DVec3 {
-    camera.eye + camera.forward * camera.eye.length().max(1.0)
+/// Point that a camera looks at. It is as far away as the model and the origin, so that the digits of both places are enough for the direction, and the
+/// model is behind the near plane.
+pub(super) fn target(camera: &ModelCamera, model: &Model) -> DVec3 {
+    let (centre, radius) = sphere(model);
+    camera.eye + camera.forward * camera.eye.length().max((centre - camera.eye).length() + radius)
+}
+
+/// Centre and radius of a sphere around all parts; the radius is above 0.
+fn sphere(model: &Model) -> (DVec3, f64) {
+    let positions = || model.parts.iter().flat_map(|part| &part.positions).copied();
+    let low = positions().fold(DVec3::INFINITY, DVec3::min);
+    let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let radius = (high - low).length() / 2.0;
+    ((low + high) / 2.0, if radius > 0.0 { radius } else { 1.0 })
 }
 
 /// A camera that sees all parts, from the front (+z) and a little above.
 fn overview(model: &Model) -> ModelCamera {
-    let positions = || model.parts.iter().flat_map(|part| &part.positions).copied();
-    let low = positions().fold(DVec3::INFINITY, DVec3::min);
-    let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max);
-    let (centre, radius) = ((low + high) / 2.0, ((high - low).length() / 2.0).max(1e-3));
+    let (centre, radius) = sphere(model);
     let outwards = DVec3::new(0.3, 0.25, 1.0).normalize();
     let distance = 1.05 * radius / (FOV_Y_DEGREES / 2.0).to_radians().sin();
     ModelCamera { eye: centre + outwards * distance, forward: -outwards, up: DVec3::Y, fov_y_degrees: FOV_Y_DEGREES }

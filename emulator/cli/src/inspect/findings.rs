@@ -7,15 +7,12 @@ use roughxel_assets::picture::Statement;
 use roughxel_scene::{PictureUse, Scene};
 use serde_json::{Value, json};
 
+use crate::console::counted;
+
 /// Findings about a file.
 pub(super) struct Findings {
     pub(super) lines: Vec<String>,
     pub(super) json: Value,
-}
-
-/// A number of things: `1 part`, `2 parts`.
-fn count(number: usize, thing: &str) -> String {
-    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 fn warning_lines(warnings: &[String]) -> impl Iterator<Item = String> {
@@ -52,7 +49,7 @@ impl Findings {
         let (triangles, vertices) = (read.mesh.triangles.len(), read.mesh.vertices.len());
         let vertex_word = if vertices == 1 { "vertex" } else { "vertices" };
         let mut lines = vec![
-            format!("mesh of {}, {vertices} {vertex_word}", count(triangles, "triangle")),
+            format!("mesh of {}, {vertices} {vertex_word}", counted(triangles, "triangle")),
             format!("from {low:?} to {high:?}"),
             read.without_uv.as_ref().map_or_else(
                 || "texture coordinates on every face".to_owned(),
@@ -72,7 +69,7 @@ impl Findings {
         let mut findings = Self::of_mesh(read);
         let [parts, materials, images] =
             [(model.parts.len(), "part"), (model.materials.len(), "material"), (model.images.len(), "image")]
-                .map(|(number, thing)| count(number, thing));
+                .map(|(number, thing)| counted(number, thing));
         findings.lines[0] = format!("glTF model, {}", findings.lines[0]);
         findings.lines.insert(1, format!("{parts}, {materials}, {images}; `roughxel import` makes a scene"));
         findings.json["kind"] = json!("glTF");
@@ -85,7 +82,7 @@ impl Findings {
 
     /// A scene, its pictures and its warnings.
     pub(super) fn of_scene(scene: &Scene) -> Self {
-        let [objects, lights] = [count(scene.objects.len(), "object"), count(scene.lights.len(), "light")];
+        let [objects, lights] = [counted(scene.objects.len(), "object"), counted(scene.lights.len(), "light")];
         let environment = if scene.environment.is_some() { "an environment" } else { "no environment" };
         let mut lines = vec![
             format!("scene of {objects}, {lights}, {environment}"),

@@ -89,7 +89,7 @@ fn a_gltf_model_becomes_a_scene_with_the_values_of_its_material() {
     fs::write(&glb, model(material())).unwrap();
     let [glb, scene, drawn] = [&glb, &scene, &picture_path].map(|path| path.to_str().unwrap());
     let run = roughxel(&["import", glb, "-o", scene]).ends(0);
-    run.prints(&["1 objects, 2 triangles", "roughxel render"]);
+    run.prints(&["1 object, 2 triangles", "roughxel render"]);
     let text = fs::read_to_string(scene).unwrap();
     let toml = text.parse::<toml::Table>().unwrap();
     let object = &toml["object"][0];
@@ -171,6 +171,28 @@ fn a_model_far_from_its_origin_is_not_imported() {
         }
     }
     roughxel(&["render", scene_text, "-o", folder.join("a.png").to_str().unwrap(), "--size", "16x16"]).ends(0);
+}
+
+/// A camera with six decimals would look past a model of a few micrometres, whose unit is the metre.
+#[test]
+fn the_camera_of_a_tiny_model_sees_what_that_of_a_large_one_sees() {
+    let folder = Folder::new();
+    let (glb, scene, picture_path) = (folder.join("a.glb"), folder.join("a.toml"), folder.join("a.png"));
+    let [glb_text, scene_text, picture_text] = [&glb, &scene, &picture_path].map(|path| path.to_str().unwrap());
+    let drawn = |node: Value| {
+        fs::write(&glb, model_at(node, material())).unwrap();
+        roughxel(&["import", glb_text, "-o", scene_text, "--replace"]).ends(0);
+        roughxel(&["render", scene_text, "-o", picture_text, "--size", "32x32"]).ends(0);
+        picture(&picture_path, Purpose::Colours)
+    };
+    for scale in [1e-2, 1e-6, 1e-9, 1e4] {
+        let same = |one: &Picture, other: &Picture| {
+            let near = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).all(|channel| (a[channel] - b[channel]).abs() < 0.02);
+            one.pixels.iter().zip(&other.pixels).filter(|&pair| near(pair)).count()
+        };
+        let [whole, small] = [1.0, scale].map(|scale| drawn(json!({ "mesh": 0, "scale": [scale, scale, scale] })));
+        assert!(same(&whole, &small) > 1000, "{scale}: {} of 1024 pixels", same(&whole, &small));
+    }
 }
 
 #[test]

@@ -122,6 +122,8 @@ fn textures_of_all_formats_have_their_values() {
             let read = read_as("a.png", &bytes, Purpose::Heights).unwrap_or_else(|error| panic!("{kind}: {error}"));
             assert_eq!((read.statement.size, read.picture.pixels), ([4, 4], vec![*expected; 16]), "{kind}");
             assert!(["KTX2, ", "DDS, "].iter().any(|start| read.statement.kind.starts_with(start)), "{kind}");
+            let has_alpha = ["A8", "A16", "A32", "BC2", "BC3", "BC7"].iter().any(|alpha| kind.contains(alpha));
+            assert_eq!(read.statement.left.contains(&"A".to_owned()), has_alpha, "{kind}: {:?}", read.statement.left);
         }
         for bytes in files(&format, 6) {
             let wishes = Wishes { transfer: Some(Transfer::Linear), ..Wishes::default() };
@@ -276,8 +278,12 @@ fn grey_textures_of_the_older_header_are_read() {
     for (kind, bytes) in [("L8", grey(8, false, &[50, 200])), ("A8L8", grey(16, true, &[50, 7, 200, 9]))] {
         let read = read_as("a.dds", &bytes, Purpose::Heights).unwrap_or_else(|error| panic!("{kind}: {error}"));
         for (x, code) in [(0, 50.0), (1, 200.0)] {
-            assert!((read.picture.pixel(x, 0)[0] - code / 255.0).abs() < 1e-6, "{kind}: {:?}", read.picture);
+            for channel in read.picture.pixel(x, 0) {
+                assert!((channel - code / 255.0).abs() < 1e-6, "{kind}: {:?}", read.picture);
+            }
         }
+        let left = if kind == "A8L8" { vec!["A".to_owned()] } else { Vec::new() };
+        assert_eq!((read.statement.channels, read.statement.left), (vec!["Y".to_owned()], left), "{kind}");
     }
     let error = read_as("a.dds", &grey(16, false, &[0; 4]), Purpose::Heights).unwrap_err().to_string();
     assert!(error.contains("; export it as"), "{error}");

@@ -84,6 +84,11 @@ fn tiffs_of_other_programs_give_their_values() {
         let read = read_as("a.tif", bytes, Purpose::Heights).unwrap_or_else(|error| panic!("{kind}: {error}"));
         assert_eq!((read.statement.kind.as_str(), read.statement.size), ("TIFF", [5, 4]), "{kind}");
         assert_eq!(read.statement.left, left, "{kind}");
+        assert_eq!(
+            read.statement.notes.iter().any(|note| note.contains("ExtraSamples")),
+            kind.contains("multiplied"),
+            "{kind}"
+        );
         for (x, y, c) in (0..4).flat_map(|y| (0..5).flat_map(move |x| [0, 1, 2].map(|c| (x, y, c)))) {
             let (found, expected) = (read.picture.pixel(x, y)[c as usize], right(x, y, c));
             assert!((f64::from(found) - expected).abs() < 1e-6, "{kind} ({x}, {y}, {c}): {found} {expected}");
