@@ -47,22 +47,28 @@ pub fn keep_objects(command: &mut Command) {
     command.env("OBJCACHE", format!("sh {}", script.display())).env("ROUGHXEL_OBJECTS", kept);
 }
 
-/// Builds the Verilator model of a module in a directory with its testbench ([`Bench::files`](roughxel_netlist::bench::Bench::files)), below
-/// `directory/obj`, and returns the program.
+/// Command that makes a Verilator model of a module with its testbench ([`Bench::files`](roughxel_netlist::bench::Bench::files)) in a directory, and the
+/// program that comes of it, below `directory/obj`. Callers add options and sources.
 ///
 /// `make` holds variables of Verilator's makefile: `OPT_FAST=-O3` for a model that runs long. For a model that runs briefly, `OPT_FAST=-O0
-/// VM_PARALLEL_BUILDS=0` compiles it as one file. Panics if Verilator or the compiler fails.
-pub fn verilate(directory: &Path, module: &str, make: &str) -> PathBuf {
+/// VM_PARALLEL_BUILDS=0` compiles it as one file.
+pub fn verilator(directory: &Path, module: &str, make: &str) -> (Command, PathBuf) {
     let objects = directory.join("obj");
     let program = objects.join("bench");
     fs::create_dir_all(&objects).unwrap_or_else(|error| panic!("{}: {error}", objects.display()));
     let flat = format!("{module}_flat");
     let mut command = Command::new("verilator");
-    command.args(["--cc", "--exe", "--build", "-O3", "--x-assign", "fast", "--x-initial", "fast"]);
-    command.args(["--prefix", "Vdesign", "-CFLAGS", "-std=c++17", "--top-module", &flat, "-MAKEFLAGS"]);
-    command.arg(format!("{make} OPT_SLOW=-O0 OPT_GLOBAL=-O1")).arg("--Mdir").arg(&objects);
-    command.arg("-y").arg(directory).arg("-o").arg(&program);
+    command.args(["--cc", "--exe", "--build", "-O3", "--prefix", "Vdesign", "-CFLAGS", "-std=c++17"]);
+    command.args(["--top-module", &flat, "-MAKEFLAGS"]).arg(format!("{make} OPT_SLOW=-O0 OPT_GLOBAL=-O1"));
+    command.arg("--Mdir").arg(&objects).arg("-o").arg(&program);
+    command.arg(directory.join(format!("{flat}.v"))).arg(hdl("verilator_bench.cpp"));
     keep_objects(&mut command);
-    run(command.arg(directory.join(format!("{flat}.v"))).arg(hdl("verilator_bench.cpp")));
+    (command, program)
+}
+
+/// Builds the model of [`verilator`] from the sources in the directory, and returns the program. Panics if Verilator or the compiler fails.
+pub fn verilate(directory: &Path, module: &str, make: &str) -> PathBuf {
+    let (mut command, program) = verilator(directory, module, make);
+    run(command.args(["--x-assign", "fast", "--x-initial", "fast", "-y"]).arg(directory));
     program
 }

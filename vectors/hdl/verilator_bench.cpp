@@ -96,6 +96,9 @@ int main(int argc, char** argv) {
   }
 
   const auto context = std::make_unique<VerilatedContext>();
+  // For models with `--x-initial unique`, such as netlists: registers and x start as random bits.
+  context->randReset(2);
+  context->randSeed(1);
   // A module that drives a shell has gaps between words with +stalls.
   const char* plus[] = {argv[0], "+stalls"};
   context->commandArgs(stalls ? 2 : 1, plus);

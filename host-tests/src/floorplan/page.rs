@@ -273,6 +273,7 @@ fn simulations(results: &Results) -> String {
         "\n## Netlists in a simulator\n\n\
          The netlist of Yosys runs with the models of cells of Yosys on fragments, hard cases and corner integers; the scalar backend gives the outcomes.\n\
          `stalls`: both sides of the handshake pause. `always-ready`: the receiver is tied to 1 before synthesis, so registers lose their enable.\n\
+         In Verilator, x is a random bit; a test takes a multiplier out of a netlist, and the outcomes differ.\n\
          Tables are in LUTs on Gowin and series 7 (`-nobram`), for there are no models of their memory blocks.\n\
          Yosys has no models of MULT18X18D and DP16KD (ECP5) and of MULT18X18 (Gowin). They are in \
          [`models.v`](../../host-tests/src/floorplan/models.v): products without registers, and memories that give x if a word is read while it is \

@@ -15,16 +15,13 @@ use super::cell::{Cell, Text, hash};
 use super::results::Simulation;
 use super::yosys::{Yosys, write_text};
 use crate::designs::{expected, inputs};
-use crate::simulators::hdl;
+use crate::simulators::verilator;
 
 /// Models of blocks that Yosys lacks.
 pub const MODELS: &str = include_str!("models.v");
 
 /// Pass that gives the memory blocks of ECP5 the name of their model. Yosys declares them as well, without a content.
 pub const OWN_MEMORIES: &str = "chtype -set ecp5_memory t:DP16KD";
-
-/// File of models that families of Lattice share.
-const COMMON: &str = "common_sim.vh";
 
 /// A netlist to simulate.
 #[derive(Clone, Debug)]
@@ -45,18 +42,21 @@ impl Variant {
     ///
     /// Errors: the cell has no text, or its target is no device.
     pub fn key(&self, yosys: &Yosys, text: &Text) -> Result<String, String> {
-        Ok(hash(&[&text.hash, command(self.cell.target)?, &yosys.version, &self.name(), MODELS]))
+        let passes = synthesis(self.cell.target)?.join(" ");
+        Ok(hash(&[&text.hash, &passes, &yosys.version, &self.name(), MODELS]))
     }
 }
 
-/// Command that synthesises without cells of pins, and without memory blocks of which there is no model.
-fn command(target: Target) -> Result<&'static str, String> {
+/// Passes that synthesise without cells of pins, and without memory blocks of which there is no model; the last one takes the top. A memory must not ask
+/// for a block either: Yosys follows its attribute in spite of `-nobram`.
+fn synthesis(target: Target) -> Result<&'static [&'static str], String> {
+    const NO_BLOCKS: &str = "setattr -unset ram_style -unset rom_style m:*";
     match target {
         Target::Asic => Err("nothing is synthesised for gates".to_owned()),
-        Target::Ice40 => Ok("synth_ice40 -dsp"),
-        Target::Ecp5 => Ok("synth_ecp5"),
-        Target::Gowin => Ok("synth_gowin -family gw2a -noiopads -nobram"),
-        Target::Xc7 => Ok("synth_xilinx -family xc7 -flatten -noiopad -noclkbuf -nobram"),
+        Target::Ice40 => Ok(&["synth_ice40 -dsp"]),
+        Target::Ecp5 => Ok(&["synth_ecp5"]),
+        Target::Gowin => Ok(&[NO_BLOCKS, "synth_gowin -family gw2a -noiopads -nobram"]),
+        Target::Xc7 => Ok(&[NO_BLOCKS, "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf -nobram"]),
     }
 }
 
@@ -70,7 +70,7 @@ const fn models(target: Target) -> &'static str {
     }
 }
 
-/// Synthesises a design in a folder, and runs its netlist on about `count` vectors in Icarus. A mismatch is a result.
+/// Synthesises a design in a folder, and runs its netlist on about `count` vectors in Verilator. A mismatch is a result.
 ///
 /// Errors: a tool is missing or fails.
 pub fn simulate(yosys: &Yosys, variant: &Variant, count: usize, folder: &Path) -> Result<Simulation, String> {
@@ -83,13 +83,15 @@ pub fn simulate(yosys: &Yosys, variant: &Variant, count: usize, folder: &Path) -
         write(&folder.join("tied.v"), &tied(&text.interface))?;
         passes.push("read_verilog tied.v".to_owned());
     }
-    passes.push(format!("{} -top {top}", command(variant.cell.target)?));
+    passes.push(format!("hierarchy -top {top}"));
+    passes.extend(synthesis(variant.cell.target)?.iter().map(|&pass| pass.to_owned()));
+    if let Some(last) = passes.last_mut() {
+        *last += &format!(" -top {top}");
+    }
     // One module takes the place of the sources.
     passes.push(format!("rename -top {module}"));
-    // A delay line is a vector that is assigned from itself. Icarus 11 would evaluate all of it for each of its bits. It aborts on some netlists
-    // of which every vector is split.
-    passes.extend(["splitnets */w:*.line", "clean -purge"].map(str::to_owned));
-    passes.extend([OWN_MEMORIES, "write_verilog -noattr netlist.v"].map(str::to_owned));
+    // A delay line is a vector that is assigned from itself. A simulator would evaluate all of it for each of its bits.
+    passes.extend(["splitnets", "clean -purge", OWN_MEMORIES, "write_verilog -noattr netlist.v"].map(str::to_owned));
     yosys.run(folder, &passes)?;
 
     let options = variant.cell.options(None)?;
@@ -102,52 +104,50 @@ pub fn simulate(yosys: &Yosys, variant: &Variant, count: usize, folder: &Path) -
     let bench = Bench::new(&text.interface, &inputs, &outputs).map_err(|e| e.to_string())?;
     write_files(folder, bench.files()).map_err(|e| format!("{}: {e}", folder.display()))?;
     write(&folder.join("models.v"), MODELS)?;
-    let report = icarus(yosys, variant, module, folder)?;
-    let mismatch = (!report.contains("PASS") || report.contains("FAIL"))
-        .then(|| report.lines().next().unwrap_or("the testbench prints nothing").to_owned());
-    let tools = format!("{}, {}", yosys.version, icarus_version()?);
+    let report = run_netlist(yosys, variant, module, folder)?;
+    let mismatch = (!report.starts_with("PASS")).then(|| report.lines().next().unwrap_or_default().to_owned());
+    let tools = format!("{}, {}", yosys.version, verilator_version()?);
     Ok(Simulation { key: variant.key(yosys, &text)?, tools, vectors: inputs.len() as u32, mismatch })
 }
 
-/// Output of the testbench.
-fn icarus(yosys: &Yosys, variant: &Variant, module: &str, folder: &Path) -> Result<String, String> {
+/// Runs the netlist in a folder of [`simulate`], and returns the output of the testbench: the first word is `PASS`, or the first line names the mismatch.
+///
+/// Verilator knows 0 and 1 only. What would be x is a random bit, so an output that depends on it differs from what is expected.
+///
+/// Errors: Verilator or the compiler is missing or fails.
+pub fn run_netlist(yosys: &Yosys, variant: &Variant, module: &str, folder: &Path) -> Result<String, String> {
     let target = variant.cell.target;
     let share = yosys.share.join(models(target));
-    // Icarus has `$error` among statements only. The copy comes first among the folders of includes, but not for Yosys.
-    let copies = folder.join("models");
-    fs::create_dir_all(&copies).map_err(|e| format!("{}: {e}", copies.display()))?;
-    if let Ok(common) = fs::read_to_string(share.join(COMMON)) {
-        write(&copies.join(COMMON), &common.replace("\t$error(", "\tinitial $error("))?;
-    }
-    let mut compile = Command::new("iverilog");
-    // Models of iCE40 have inputs with default values, which the language of the testbench lacks.
-    compile.args(["-g2012", "-s", "bench", "-DNO_ICE40_DEFAULT_ASSIGNMENTS", "-DNO_INCLUDES", "-o", "bench.vvp"]);
-    compile.args(["-I", "models", "-I", ".", "-I"]).arg(&share).arg(hdl("bench.v"));
-    compile.args([&format!("{module}_flat.v"), "netlist.v"]).arg(share.join("cells_sim.v"));
+    let (mut build, program) = verilator(folder, module, "OPT_FAST=-O0 VM_PARALLEL_BUILDS=0");
+    build.args(["--x-assign", "unique", "--x-initial", "unique", "-Wno-fatal", "-Wno-lint", "-Wno-UNOPTFLAT"]);
+    // Models of iCE40 have inputs with default values.
+    build.args(["-DNO_ICE40_DEFAULT_ASSIGNMENTS", "-DNO_INCLUDES"]).arg(format!("-I{}", share.display()));
+    build.arg(folder.join("netlist.v")).arg(share.join("cells_sim.v"));
     if matches!(target, Target::Ecp5 | Target::Gowin) {
-        compile.arg("models.v");
+        build.arg(folder.join("models.v"));
     }
-    output(compile.current_dir(folder))?;
-    let mut run = Command::new("vvp");
-    run.args(["-N", "bench.vvp"]).args((!variant.is_tied).then_some("+stalls"));
-    output(run.current_dir(folder))
+    output(&mut build, &[0])?;
+    let mut run = Command::new(program);
+    // 3: a mismatch.
+    output(run.arg(folder).args((!variant.is_tied).then_some("stalls")), &[0, 3])
 }
 
-fn icarus_version() -> Result<String, String> {
-    let text = output(Command::new("iverilog").arg("-V"))?;
-    Ok(text.lines().next().unwrap_or_default().split(" (").next().unwrap_or_default().trim().to_owned())
+fn verilator_version() -> Result<String, String> {
+    let text = output(Command::new("verilator").arg("--version"), &[0])?;
+    Ok(text.split(' ').take(2).collect::<Vec<_>>().join(" "))
 }
 
-/// Output of a program that ends well.
-fn output(command: &mut Command) -> Result<String, String> {
+/// Output of a program that ends with one of these exit codes.
+fn output(command: &mut Command, good: &[i32]) -> Result<String, String> {
     let name = command.get_program().to_string_lossy().into_owned();
-    let output = command.output().map_err(|e| format!("{name}: {e}. Install the package iverilog of your system"))?;
+    let output = command.output().map_err(|e| format!("{name}: {e}. Install the package verilator of your system"))?;
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    if output.status.success() {
+    if output.status.code().is_some_and(|code| good.contains(&code)) {
         return Ok(text(&output.stdout));
     }
     let errors = text(&output.stderr);
-    Err(format!("{name} fails: {}", errors.lines().next().unwrap_or_default()))
+    let first = errors.lines().find(|line| line.contains("rror")).or(errors.lines().next());
+    Err(format!("{name} fails: {}", first.unwrap_or_default()))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
