@@ -17,7 +17,7 @@ pub(super) struct Primaries {
     pub(super) white: [f64; 2],
 }
 
-const D65: [f64; 2] = [0.3127, 0.329];
+pub(super) const D65: [f64; 2] = [0.3127, 0.329];
 const ACES_WHITE: [f64; 2] = [0.32168, 0.33767];
 /// White of ICC profiles, as XYZ (ICC.1:2022 §7.2.16).
 const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);

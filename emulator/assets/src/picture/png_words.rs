@@ -1,6 +1,6 @@
 //! Words of a PNG about its colours: cICP, iCCP, sRGB, cHRM and gAMA, in the precedence of PNG's third edition.
 
-use super::colour::{ColourSpace, Primaries, Transfer};
+use super::colour::{ColourSpace, D65, Primaries, Transfer};
 use super::colour_words::ColourWords;
 use super::icc::profile_words;
 
@@ -8,7 +8,6 @@ use super::icc::profile_words;
 const SRGB_GAMA: f64 = 0.45455;
 /// Relative difference of gammas that count as equal.
 const SAME_GAMMA: f64 = 0.01;
-const D65: [f64; 2] = [0.3127, 0.329];
 
 /// The words of the chunk of highest precedence.
 pub(super) fn colour_words(info: &png::Info<'_>) -> ColourWords {
