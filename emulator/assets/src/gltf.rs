@@ -79,6 +79,8 @@ pub struct ModelCamera {
     pub up: DVec3,
     /// Full vertical angle of view in degrees.
     pub fov_y_degrees: f64,
+    /// Distance of the near plane.
+    pub near: f64,
 }
 
 /// Reads a glTF file, binary (`.glb`) or text (`.gltf`), with the files that it names.
@@ -224,7 +226,8 @@ impl Reader<'_> {
         let up = place.transform_vector3(DVec3::Y).normalize_or(DVec3::Y);
         let fov_y_degrees = f64::from(lens.yfov()).to_degrees().clamp(0.1, 170.0);
         let eye = place.transform_point3(DVec3::ZERO);
-        self.model.camera.get_or_insert(ModelCamera { eye, forward, up, fov_y_degrees });
+        let near = f64::from(lens.znear());
+        self.model.camera.get_or_insert(ModelCamera { eye, forward, up, fov_y_degrees, near });
     }
 
     fn primitive(&mut self, primitive: &gltf::Primitive<'_>, name: Option<String>, place: DMat4) -> Result<(), String> {

@@ -100,7 +100,7 @@ fn check_coordinates(path: &Path, model: &Model) -> Result<(), Failure> {
     let positions = model.parts.iter().flat_map(|part| &part.positions);
     let farthest = positions.map(|position| position.abs().max_element()).fold(0.0, f64::max);
     let camera = text::camera(model);
-    let seen = camera.eye.abs().max(text::target(&camera, model).abs()).max_element();
+    let seen = camera.eye.abs().max(text::target(&camera).abs()).max_element();
     let shown = path.display();
     let (what, at) = if farthest > MAX_COORDINATE { ("a position", farthest) } else { ("its camera", seen) };
     if at > MAX_COORDINATE {

@@ -13,7 +13,7 @@ use roughxel_core::setup::block_vector;
 use roughxel_core::signals::MapScale;
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_peaks::ScenePeaks;
-use roughxel_scene::{Light, LightPlace, Scene};
+use roughxel_scene::{Light, LightPlace, Object, Scene};
 use roughxel_shader::{BumpMap, CubeTexels, Effect, Environment, Material, ObjectPlan, Shader};
 use roughxel_simd::Backend;
 
@@ -129,18 +129,20 @@ impl<'a> Prepared<'a> {
                 let own = objects[group[0]].material.colour_map.as_deref();
                 vec![own.map(|picture| Arc::new(colour_map(picture, filters))); group.len()]
             });
-        let planned = shared(objects.iter().map(|object| BumpPyramid::key(&object.material)), |group| {
+        let shows_bumps = |own: &roughxel_scene::Material| environment.is_some() || own.highlight.is_some();
+        let bump_key = |object: &Object| (shows_bumps(&object.material), BumpPyramid::key(&object.material, filters));
+        let planned = shared(objects.iter().map(bump_key), |group| {
             let own = &objects[group[0]].material;
-            let shows_bumps = environment.is_some() || own.highlight.is_some();
-            let bump = shows_bumps.then(|| BumpPyramid::of_material(own, filters, &precision)).flatten();
+            let bump = shows_bumps(own).then(|| BumpPyramid::of_material(own, filters, &precision)).flatten();
             let plan =
                 |&index: &usize| object_plan(&objects[index], bump.as_ref(), environment.is_some(), mode, &precision);
             let plans = group.par_iter().map(plan).collect();
             PlannedBumps::of(bump, plans)
         });
-        let horizons = planned.iter().map(|planned| planned.plan.horizon);
-        let peak_keys =
-            horizons.clone().enumerate().map(|(index, kind)| (peaks.pyramid(index).map(address), kind as u8));
+        let peak_keys = planned
+            .iter()
+            .enumerate()
+            .map(|(index, planned)| (peaks.pyramid(index).map(address), planned.plan.horizon as u8));
         let peak_maps = shared(peak_keys, |group| {
             let (pyramid, kind) = (peaks.pyramid(group[0]), planned[group[0]].plan.horizon);
             vec![pyramid.map(|pyramid| Arc::new(peak_texels(pyramid, filters, kind))); group.len()]

@@ -149,18 +149,24 @@ pub struct BumpKey {
     maps: [Option<usize>; 2],
     negate: bool,
     deviation: Deviation,
-    has_highlight: bool,
+    /// True if a highlight shows the roughness map without filters.
+    shows_map: bool,
+}
+
+/// Returns true if a roughness map is shown without filters. It is part of the surface, and a highlight needs no footprint to show it.
+fn shows_map(material: &Material) -> bool {
+    material.highlight.is_some() && material.roughness.is_some()
 }
 
 impl BumpPyramid {
-    /// Key of a material. [`Self::of_material`] returns the same pyramid for materials with equal keys.
-    pub fn key(material: &Material) -> BumpKey {
+    /// Key of a material. [`Self::of_material`] returns the same pyramid for materials with equal keys, with filters or without.
+    pub fn key(material: &Material, filters: bool) -> BumpKey {
         let bump = material.bump.as_ref().map(|bump| Arc::as_ptr(bump).addr());
         BumpKey {
             maps: [bump, material.roughness.as_ref().map(|roughness| Arc::as_ptr(roughness).addr())],
             negate: material.frame != FrameSystem::MainDirection,
             deviation: material.deviation,
-            has_highlight: material.highlight.is_some(),
+            shows_map: !filters && shows_map(material),
         }
     }
 
@@ -169,10 +175,8 @@ impl BumpPyramid {
     ///
     /// `None` without a bump map and without a roughness map that is kept.
     pub fn of_material(material: &Material, filters: bool, p: &Precision) -> Option<Self> {
-        // Without filters no detail is lost. A roughness map is part of the surface, however, and a highlight needs no
-        // footprint to show it.
-        let shows_map = material.highlight.is_some() && material.roughness.is_some();
-        let kind = if filters || shows_map { p.roughness } else { RoughnessKind::None };
+        // Without filters no detail is lost.
+        let kind = if filters || shows_map(material) { p.roughness } else { RoughnessKind::None };
         let roughness = material.roughness.as_deref().filter(|_| kind != RoughnessKind::None);
         let flat;
         let field = match (material.bump.as_deref(), roughness) {

@@ -161,7 +161,7 @@ fn camera(source: &Source, camera: &CameraDescription) -> Result<Camera, SceneEr
     let up = camera.up.as_ref().map_or(Ok(DVec3::Y), |up| point("up", up))?;
     let sight = target - eye;
     // Nearer points have no direction but that of their last digits.
-    if sight.length() <= 1e-9 * eye.abs().max(target.abs()).max_element() {
+    if sight.length() <= 1e-11 * eye.abs().max(target.abs()).max_element() {
         let help = "move them apart: the camera looks from `eye` to `target`";
         return Err(source.value_error(camera.target.span(), "`target` is where `eye` is", help));
     }

@@ -112,7 +112,8 @@ pub fn simulate(yosys: &Yosys, variant: &Variant, count: usize, folder: &Path) -
 
 /// Runs the netlist in a folder of [`simulate`], and returns the output of the testbench: the first word is `PASS`, or the first line names the mismatch.
 ///
-/// Verilator knows 0 and 1 only. What would be x is a random bit, so an output that depends on it differs from what is expected.
+/// Verilator knows 0 and 1 only. What would be x is a bit that is drawn once a run, so words that depend on it differ from what is expected, and half of
+/// the single bits.
 ///
 /// Errors: Verilator or the compiler is missing or fails.
 pub fn run_netlist(yosys: &Yosys, variant: &Variant, module: &str, folder: &Path) -> Result<String, String> {

@@ -54,6 +54,7 @@ pub fn read_cube(path: &Path, wishes: &Wishes) -> Result<CubeFile, PictureError>
 fn decode(path: &Path, content: &Content<'_>, wishes: &Wishes) -> Result<CubeFile, PictureError> {
     let [edge, _] = content.size;
     let mut statement = Statement { kind: content.name.clone(), size: content.size, ..Statement::default() };
+    content.alpha.name(&mut statement);
     let colours = content.words().decide(Purpose::Environment, wishes, &mut statement);
     let table = decode_table(255, colours.transfer);
     let mut faces: [Picture; 6] = std::array::from_fn(|face| {

@@ -9,6 +9,7 @@ use super::PictureError;
 use super::colour::{ColourSpace, Primaries, Transfer};
 use super::colour_words::ColourWords;
 use super::orientation::Orientation;
+use super::statement::Statement;
 use super::texels::{Places, TexelFormat};
 
 /// Beginning of a DDS file.
@@ -43,6 +44,31 @@ pub(super) struct Content<'a> {
     pub(super) space: Option<(String, Primaries)>,
     /// Order of the rows and columns.
     pub(super) orientation: Orientation,
+    /// Alpha, which is not taken.
+    pub(super) alpha: Alpha,
+}
+
+/// Alpha of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Alpha {
+    /// No alpha, or 1 everywhere.
+    None,
+    /// Colours are those of the surface.
+    Straight,
+    /// Colours are those over black.
+    Premultiplied,
+}
+
+impl Alpha {
+    /// Names alpha in a statement.
+    pub(super) fn name(self, statement: &mut Statement) {
+        if self != Self::None {
+            statement.left.push("A".to_owned());
+        }
+        if self == Self::Premultiplied {
+            statement.notes.push("alpha is multiplied in: transparent places stay dark".to_owned());
+        }
+    }
 }
 
 /// True if the header at the start of a file is that of a KTX2 or DDS file and does not say that it is no cube map.
@@ -183,7 +209,12 @@ fn ktx2_content<'a>(
     let data = reader.levels().next().map_or(&[][..], |level| level.data);
     // Faces follow each other without a gap (KTX 2.0 §3.9.7).
     let images = split(path, "KTX2", images, |face| data.get(face * bytes..(face + 1) * bytes))?;
-    Ok(Content { images, size, format: texels, name: format!("KTX2, {format:?}"), transfer, space, orientation })
+    let alpha = match reader.is_alpha_premultiplied() {
+        _ if !texels.has_alpha() => Alpha::None,
+        Some(true) => Alpha::Premultiplied,
+        _ => Alpha::Straight,
+    };
+    Ok(Content { images, size, format: texels, name: format!("KTX2, {format:?}"), transfer, space, orientation, alpha })
 }
 
 fn ktx2_format(format: ktx2::Format) -> Option<TexelFormat> {
@@ -251,7 +282,16 @@ fn dds_content<'a>(path: &Path, dds: &'a ddsfile::Dds, images: usize) -> Result<
         _ => split(path, "DDS", images, |face| dds.get_data(face as u32).ok().and_then(|data| data.get(..bytes)))?,
     };
     let orientation = Orientation::UPRIGHT;
-    Ok(Content { images, size, format, name: format!("DDS, {name}"), transfer, space: None, orientation })
+    let mode = dds.header10.as_ref().map(|header| header.alpha_mode);
+    let is_multiplied = matches!(name.as_str(), "DXT2" | "DXT4");
+    let alpha = match mode {
+        _ if !format.has_alpha() => Alpha::None,
+        Some(ddsfile::AlphaMode::Opaque) => Alpha::None,
+        Some(ddsfile::AlphaMode::PreMultiplied) => Alpha::Premultiplied,
+        None if is_multiplied => Alpha::Premultiplied,
+        _ => Alpha::Straight,
+    };
+    Ok(Content { images, size, format, name: format!("DDS, {name}"), transfer, space: None, orientation, alpha })
 }
 
 /// Texels of a format, and the transfer function that it names; formats without a type name none.

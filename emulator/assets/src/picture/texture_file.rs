@@ -36,9 +36,7 @@ pub(super) fn read(path: &Path, file: impl Read, purpose: Purpose, wishes: &Wish
         2 => statement.channels = ["R", "G"].map(str::to_owned).to_vec(),
         channels => name_channels(channels, &mut statement),
     }
-    if content.format.has_alpha() {
-        statement.left.push("A".to_owned());
-    }
+    content.alpha.name(&mut statement);
     let colours = content.words().decide(purpose, wishes, &mut statement);
     let table = decode_table(255, colours.transfer);
     let mut pixels = content.format.pixels(content.images[0], content.size, &table);

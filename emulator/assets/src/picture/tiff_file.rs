@@ -77,10 +77,9 @@ pub(super) fn read(
     let orientation = orientation.unwrap_or(Orientation::UPRIGHT);
     let mut statement = Statement::default();
     name_channels(channels, &mut statement);
-    if channels.is_multiple_of(2)
-        && decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).map_err(failed)? == Some(vec![1])
-    {
-        statement.notes.push("alpha is multiplied in (ExtraSamples 1): transparent places stay dark".to_owned());
+    let others = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).map_err(failed)?;
+    if channels.is_multiple_of(2) && others.is_some_and(|others| others.first() == Some(&1)) {
+        statement.notes.push("alpha is multiplied in: transparent places stay dark".to_owned());
     }
     let mut words = ColourWords::new(Transfer::Srgb);
     if let Some(primaries) = chromaticities(&mut decoder).map_err(failed)? {

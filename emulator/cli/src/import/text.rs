@@ -4,6 +4,8 @@ use std::path::Path;
 
 use glam::DVec3;
 use roughxel_assets::gltf::{Model, ModelCamera, Part};
+use roughxel_frame::raster::Projection;
+use roughxel_utilities::limits::MAX_COORDINATE;
 use serde_json::json;
 
 use super::maps::MaterialMaps;
@@ -21,12 +23,9 @@ fn numbers(all: impl IntoIterator<Item = f64>) -> String {
     format!("[{}]", all.join(", "))
 }
 
-/// A place with six decimals, or with nine digits if it is near: six decimals would lose a model of a few micrometres.
-fn place(point: DVec3) -> String {
-    let largest = point.abs().max_element().max(f64::MIN_POSITIVE);
-    let unit = 10.0_f64.powi((8 - largest.log10().floor() as i32).clamp(6, 22));
-    let all = point.to_array().map(|number| format!("{:?}", (number * unit).round() / unit + 0.0));
-    format!("[{}]", all.join(", "))
+/// A place with six decimals, or with all digits if a sight is shorter than a unit.
+fn place(point: DVec3, sight: f64) -> String {
+    if sight >= 1.0 { numbers(point.to_array()) } else { format!("{:?}", point.to_array()) }
 }
 
 /// The `[[object]]` of a part.
@@ -62,13 +61,15 @@ pub(super) fn object(part: &Part, path: &str, folder: &str, maps: &MaterialMaps)
 pub(super) fn scene(model_path: &Path, model: &Model, objects: &[String]) -> String {
     let camera = camera(model);
     let ModelCamera { eye, up, fov_y_degrees, .. } = camera;
+    let target = target(&camera);
+    let sight = (target - eye).length();
     let name = model_path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let shown = name.replace(|c: char| c.is_control(), " ");
     format!(
         "# Made from {shown} by `roughxel import`.\n\n[camera]\neye = {}\ntarget = {}\nup = {}\nfov_y = {:?}\n\n\
          [environment]\ngenerate = \"sky\"\n\n{}",
-        place(eye),
-        place(target(&camera, model)),
+        place(eye, sight),
+        place(target, sight),
         numbers(up.to_array()),
         (fov_y_degrees * 1e3).round() / 1e3,
         objects.join("\n"),
@@ -80,26 +81,28 @@ pub(super) fn camera(model: &Model) -> ModelCamera {
     model.camera.unwrap_or_else(|| overview(model))
 }
 
-/// Point that a camera looks at. It is as far away as the model and the origin, so that the digits of both places are enough for the direction, and the
-/// model is behind the near plane.
-pub(super) fn target(camera: &ModelCamera, model: &Model) -> DVec3 {
-    let (centre, radius) = sphere(model);
-    camera.eye + camera.forward * camera.eye.length().max((centre - camera.eye).length() + radius)
+/// Point that a camera looks at. Its distance gives the scene the near plane of the camera, unless the point would lie beyond the coordinates of scenes.
+pub(super) fn target(camera: &ModelCamera) -> DVec3 {
+    let coordinate = camera.eye.abs().max_element();
+    let room = MAX_COORDINATE - coordinate;
+    let least = 1e-9 * coordinate;
+    camera.eye + camera.forward * (camera.near / Projection::NEAR_SHARE).min(room).max(least)
 }
 
-/// Centre and radius of a sphere around all parts; the radius is above 0.
-fn sphere(model: &Model) -> (DVec3, f64) {
+/// A camera that sees all parts, from the front (+z) and a little above. It looks at their centre.
+fn overview(model: &Model) -> ModelCamera {
     let positions = || model.parts.iter().flat_map(|part| &part.positions).copied();
     let low = positions().fold(DVec3::INFINITY, DVec3::min);
     let high = positions().fold(DVec3::NEG_INFINITY, DVec3::max);
     let radius = (high - low).length() / 2.0;
-    ((low + high) / 2.0, if radius > 0.0 { radius } else { 1.0 })
-}
-
-/// A camera that sees all parts, from the front (+z) and a little above.
-fn overview(model: &Model) -> ModelCamera {
-    let (centre, radius) = sphere(model);
+    let radius = if radius > 0.0 { radius } else { 1.0 };
     let outwards = DVec3::new(0.3, 0.25, 1.0).normalize();
     let distance = 1.05 * radius / (FOV_Y_DEGREES / 2.0).to_radians().sin();
-    ModelCamera { eye: centre + outwards * distance, forward: -outwards, up: DVec3::Y, fov_y_degrees: FOV_Y_DEGREES }
+    ModelCamera {
+        eye: (low + high) / 2.0 + outwards * distance,
+        forward: -outwards,
+        up: DVec3::Y,
+        fov_y_degrees: FOV_Y_DEGREES,
+        near: distance * Projection::NEAR_SHARE,
+    }
 }

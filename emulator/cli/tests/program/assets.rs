@@ -24,8 +24,9 @@ fn model(material: Value) -> Vec<u8> {
     model_at(json!({ "mesh": 0, "name": "Left wing" }), material)
 }
 
-/// A GLB of the square of [`model`] in a node of one's own.
+/// A GLB of the square of [`model`] in a node of one's own, or in several.
 fn model_at(node: Value, material: Value) -> Vec<u8> {
+    let nodes = if let Value::Array(nodes) = node { nodes } else { vec![node] };
     let mut chunk = floats([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]].concat());
     chunk.extend(floats([[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].concat()));
     chunk.extend([0u16, 1, 2, 0, 2, 3].into_iter().flat_map(u16::to_le_bytes));
@@ -47,8 +48,8 @@ fn model_at(node: Value, material: Value) -> Vec<u8> {
     positions["min"] = json!([-1, -1, 0]);
     positions["max"] = json!([1, 1, 0]);
     let json = json!({
-        "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }],
-        "nodes": [node], "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }],
+        "asset": { "version": "2.0" }, "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
+        "nodes": nodes, "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "indices": 2, "material": 0 }] }],
         "materials": [material],
         "textures": [{ "source": 0 }, { "source": 1 }, { "source": 2 }],
@@ -160,11 +161,12 @@ fn a_model_far_from_its_origin_is_not_imported() {
     for (node, ends) in [
         (node([5.4e6, 0.0, 0.0], 1.0), 1),
         (node([0.0; 3], 8e5), 1),
-        (camera(-9e5), 1),
+        (camera(-2e6), 1),
+        (camera(-9e5), 0),
         (node([5.4e5, 0.0, 0.0], 1.0), 0),
     ] {
         fs::write(&glb, model_at(node, material())).unwrap();
-        let run = roughxel(&["import", glb_text, "-o", scene_text]).ends(ends);
+        let run = roughxel(&["import", glb_text, "-o", scene_text, "--replace"]).ends(ends);
         if ends == 1 {
             run.complains(&["a.glb has ", "beyond ±1e6 units; move the model to the origin, or scale it down"]);
             assert!(!scene.exists());
@@ -173,26 +175,48 @@ fn a_model_far_from_its_origin_is_not_imported() {
     roughxel(&["render", scene_text, "-o", folder.join("a.png").to_str().unwrap(), "--size", "16x16"]).ends(0);
 }
 
-/// A camera with six decimals would look past a model of a few micrometres, whose unit is the metre.
-#[test]
-fn the_camera_of_a_tiny_model_sees_what_that_of_a_large_one_sees() {
+/// Pictures of 32×32 pixels of imported nodes.
+fn drawn(nodes: Value) -> Picture {
     let folder = Folder::new();
     let (glb, scene, picture_path) = (folder.join("a.glb"), folder.join("a.toml"), folder.join("a.png"));
     let [glb_text, scene_text, picture_text] = [&glb, &scene, &picture_path].map(|path| path.to_str().unwrap());
-    let drawn = |node: Value| {
-        fs::write(&glb, model_at(node, material())).unwrap();
-        roughxel(&["import", glb_text, "-o", scene_text, "--replace"]).ends(0);
-        roughxel(&["render", scene_text, "-o", picture_text, "--size", "32x32"]).ends(0);
-        picture(&picture_path, Purpose::Colours)
-    };
-    for scale in [1e-2, 1e-6, 1e-9, 1e4] {
-        let same = |one: &Picture, other: &Picture| {
-            let near = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).all(|channel| (a[channel] - b[channel]).abs() < 0.02);
-            one.pixels.iter().zip(&other.pixels).filter(|&pair| near(pair)).count()
-        };
-        let [whole, small] = [1.0, scale].map(|scale| drawn(json!({ "mesh": 0, "scale": [scale, scale, scale] })));
-        assert!(same(&whole, &small) > 1000, "{scale}: {} of 1024 pixels", same(&whole, &small));
+    fs::write(&glb, model_at(nodes, material())).unwrap();
+    roughxel(&["import", glb_text, "-o", scene_text]).ends(0);
+    roughxel(&["render", scene_text, "-o", picture_text, "--size", "32x32"]).ends(0);
+    picture(&picture_path, Purpose::Colours)
+}
+
+/// Pixels that two pictures have in common, up to a few 8-bit codes.
+fn common(one: &Picture, other: &Picture) -> usize {
+    let near = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).all(|channel| (a[channel] - b[channel]).abs() < 0.02);
+    one.pixels.iter().zip(&other.pixels).filter(|&pair| near(pair)).count()
+}
+
+/// A camera with six decimals would look past a model of a few micrometres, whose unit is the metre. One whose near plane follows from the distance of
+/// the origin would see nothing of a model in map coordinates.
+#[test]
+fn the_camera_of_a_model_sees_it_whatever_its_size_and_place() {
+    let whole = drawn(json!({ "mesh": 0 }));
+    for (scale, x) in [(1e-2, 0.0), (1e-6, 0.0), (1e-9, 0.0), (1e4, 0.0), (1.0, 2e4), (1e-3, 20.0)] {
+        let node = json!({ "mesh": 0, "scale": [scale, scale, scale], "translation": [x, 0.0, 0.0] });
+        let same = common(&whole, &drawn(node));
+        assert!(same > 1000, "{scale} at {x}: {same} of 1024 pixels");
     }
+}
+
+#[test]
+fn a_camera_of_a_model_keeps_what_is_near_before_a_far_backdrop() {
+    let square = |distance: f64, turned: f64, scale: f64| {
+        let turn = [(turned / 2.0).to_radians().sin(), 0.0, 0.0, (turned / 2.0).to_radians().cos()];
+        json!({ "mesh": 0, "rotation": turn, "scale": [scale, scale, scale], "translation": [0.0, 0.0, -distance] })
+    };
+    let camera = || json!({ "camera": 0 });
+    let (near, far) = (|| square(2.0, 30.0, 2.0), || square(1e4, 0.0, 1e4));
+    let alone = drawn(json!([near(), camera()]));
+    assert_eq!(common(&alone, &drawn(json!([near(), far(), camera()]))), 1024);
+    assert_ne!(alone.pixel(16, 16), drawn(json!([far(), camera()])).pixel(16, 16));
+    // A model that reaches to the ends of the coordinates, in front of a camera in the middle.
+    drawn(json!([square(5e5, 0.0, 9e5), camera()]));
 }
 
 #[test]

@@ -129,6 +129,8 @@ fn textures_of_all_formats_have_their_values() {
             let wishes = Wishes { transfer: Some(Transfer::Linear), ..Wishes::default() };
             let cube = read_cube(&directory.file("a.dds", &bytes).unwrap(), &wishes).unwrap();
             assert!(cube.faces.iter().all(|face| face.pixels == [*expected; 16]), "{kind}");
+            let has_alpha = ["A8", "A16", "A32", "BC2", "BC3", "BC7"].iter().any(|alpha| kind.contains(alpha));
+            assert_eq!(cube.statement.left.contains(&"A".to_owned()), has_alpha, "{kind}: {:?}", cube.statement.left);
         }
     }
 }
@@ -287,4 +289,35 @@ fn grey_textures_of_the_older_header_are_read() {
     }
     let error = read_as("a.dds", &grey(16, false, &[0; 4]), Purpose::Heights).unwrap_err().to_string();
     assert!(error.contains("; export it as"), "{error}");
+}
+
+/// DXT2 and DXT4 and mode 2 of the newer header have alpha multiplied in, mode 3 has none.
+#[test]
+fn the_kind_of_alpha_of_a_texture_is_named() {
+    let newer = |mode: u32| {
+        let mut bytes = dds_header([4; 2], 1, 0, b"DX10", Some(28));
+        let place = bytes.len() - 4;
+        bytes[place..].copy_from_slice(&mode.to_le_bytes());
+        [bytes, times(&[1, 2, 3, 4], 16)].concat()
+    };
+    let older = |name: &[u8; 4]| [dds_header([4; 2], 1, 0, name, None), [BC4, BC1].concat()].concat();
+    let mut ktx2 = ktx2_file(37, 1, [4; 2], 1, 1, &times(&[1, 2, 3, 4], 16));
+    let straight = ktx2.clone();
+    // Flags stand behind the transfer function.
+    ktx2[104 + 4 + 8 + 3] = 1;
+    for (kind, bytes, named, multiplied) in [
+        ("unknown", newer(0), true, false),
+        ("straight", newer(1), true, false),
+        ("multiplied", newer(2), true, true),
+        ("opaque", newer(3), false, false),
+        ("DXT2", older(b"DXT2"), true, true),
+        ("DXT3", older(b"DXT3"), true, false),
+        ("DXT4", older(b"DXT4"), true, true),
+        ("KTX2", straight, true, false),
+        ("KTX2, multiplied", ktx2, true, true),
+    ] {
+        let read = read_as("a.dds", &bytes, Purpose::Heights).unwrap_or_else(|error| panic!("{kind}: {error}"));
+        let said = read.statement.notes.iter().any(|note| note.contains("multiplied in"));
+        assert_eq!((read.statement.left.contains(&"A".to_owned()), said), (named, multiplied), "{kind}");
+    }
 }

@@ -85,7 +85,7 @@ fn tiffs_of_other_programs_give_their_values() {
         assert_eq!((read.statement.kind.as_str(), read.statement.size), ("TIFF", [5, 4]), "{kind}");
         assert_eq!(read.statement.left, left, "{kind}");
         assert_eq!(
-            read.statement.notes.iter().any(|note| note.contains("ExtraSamples")),
+            read.statement.notes.iter().any(|note| note.contains("multiplied in")),
             kind.contains("multiplied"),
             "{kind}"
         );
