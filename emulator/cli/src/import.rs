@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use miette::miette;
 use roughxel_assets::gltf::{Model, Part, read_model};
+use roughxel_assets::{ReadOptions, parse_obj};
 use roughxel_utilities::limits::MAX_COORDINATE;
 use roughxel_utilities::output::write_files;
 
@@ -58,11 +59,12 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         let known = known.display();
         return Err(Failure::Error(miette!("{known} exists already; choose another --output, or give --replace")));
     }
-    let model = read_model(&args.model)?;
+    let mut model = read_model(&args.model)?;
     let folder_name = folder.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
     check_coordinates(&args.model, &model)?;
+    let left_out = without_area(&args.model, &mut model)?;
     // Everything is made before anything is written: a broken image leaves an earlier scene as it was.
-    let mut notes = model.ignored.clone();
+    let mut notes = [model.ignored.clone(), left_out].concat();
     let source = maps::Source { path: &args.model, model: &model, images: maps::image_names(&model) };
     let mut files = maps::Files::new();
     let mut objects = Vec::new();
@@ -93,6 +95,23 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     let contents = format!("{}, {}", counted(objects.len(), "object"), counted(triangles, "triangle"));
     writeln!(io::stdout().lock(), "{shown}: {contents}; draw it: roughxel render {shown}")?;
     Ok(())
+}
+
+/// Takes the parts out of a model that a scene would refuse, and says which. It is an error if no part is left.
+fn without_area(path: &Path, model: &mut Model) -> Result<Vec<String>, Failure> {
+    let mut notes = Vec::new();
+    model.parts.retain(|part| {
+        let read = parse_obj(Path::new("part"), &obj(part), &ReadOptions::default());
+        if read.is_err() {
+            notes.push(format!("{:?} is left out: it has no face with an area", part.name));
+        }
+        read.is_ok()
+    });
+    if model.parts.is_empty() {
+        let message = format!("{} has no face with an area", path.display());
+        return Err(Failure::Error(miette!("{message}; export the model with triangles")));
+    }
+    Ok(notes)
 }
 
 /// Checks that a scene can hold the model, and a camera that sees it.

@@ -219,6 +219,23 @@ fn a_camera_of_a_model_keeps_what_is_near_before_a_far_backdrop() {
     drawn(json!([square(5e5, 0.0, 9e5), camera()]));
 }
 
+/// A scene refuses a mesh without a face that has an area. A part that is a point or a line is left out, and a model of such parts alone is refused.
+#[test]
+fn parts_without_an_area_are_left_out_of_an_import() {
+    let folder = Folder::new();
+    let (glb, scene) = (folder.join("a.glb"), folder.join("a.toml"));
+    let [glb_text, scene_text] = [&glb, &scene].map(|path| path.to_str().unwrap());
+    let line = || json!({ "mesh": 0, "name": "a line", "scale": [1, 0, 1] });
+    fs::write(&glb, model_at(json!([line()]), material())).unwrap();
+    let refused = roughxel(&["import", glb_text, "-o", scene_text]).ends(1);
+    refused.complains(&["a.glb has no face with an area; export the model with triangles"]);
+    assert!(!scene.exists());
+    fs::write(&glb, model_at(json!([line(), { "mesh": 0 }]), material())).unwrap();
+    let run = roughxel(&["import", glb_text, "-o", scene_text]).ends(0);
+    run.prints(&["1 object, 2 triangles"]).complains(&["\"a line\" is left out: it has no face with an area"]);
+    roughxel(&["render", scene_text, "-o", folder.join("a.png").to_str().unwrap(), "--size", "16x16"]).ends(0);
+}
+
 #[test]
 fn files_of_an_import_are_named_and_mistakes_end_with_their_codes() {
     let folder = Folder::new();
