@@ -1,12 +1,13 @@
 // Drives a generated module, verilated, with the vectors of a directory from memory and compares every output.
 //
-// Arguments: the directory with bench.txt, inputs.bin and expected.bin; then `stalls` to pause both sides of the handshake
-// at random, or how many times to take all vectors. Prints the vectors and the time of the cycles alone. Exit code
+// Arguments: the directory with bench.txt, inputs.bin and expected.bin; then `stalls` to pause both sides of the handshake at random, or how many times
+// to take all vectors; then arguments of Verilator, such as +verilator+rand+reset+1. Prints the vectors and the time of the cycles alone. Exit code
 // 0 equal, 1 failure, 2 usage, 3 a mismatch, of which the first wire is named.
 //
 //   verilator --cc --exe --build -O3 --x-assign fast --x-initial fast --prefix Vdesign -y DIR \
 //     --top-module MODULE_flat DIR/MODULE_flat.v verilator_bench.cpp -o bench
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -79,8 +80,8 @@ std::string field_bits(const uint32_t* words, const Field& field) {
 int main(int argc, char** argv) {
   const bool stalls = argc > 2 && std::strcmp(argv[2], "stalls") == 0;
   const long passes = argc > 2 && !stalls ? std::strtol(argv[2], nullptr, 10) : 1;
-  if (argc < 2 || argc > 3 || passes < 1) {
-    std::fprintf(stderr, "usage: %s DIRECTORY [stalls | PASSES]\n", argv[0]);
+  if (argc < 2 || passes < 1) {
+    std::fprintf(stderr, "usage: %s DIRECTORY [stalls | PASSES [+ARGUMENT...]]\n", argv[0]);
     return 2;
   }
   const std::string directory = argv[1];
@@ -96,12 +97,11 @@ int main(int argc, char** argv) {
   }
 
   const auto context = std::make_unique<VerilatedContext>();
-  // For models with `--x-initial unique`, such as netlists: registers and x start as random bits.
-  context->randReset(2);
-  context->randSeed(1);
   // A module that drives a shell has gaps between words with +stalls.
-  const char* plus[] = {argv[0], "+stalls"};
-  context->commandArgs(stalls ? 2 : 1, plus);
+  std::vector<const char*> plus{argv[0]};
+  if (stalls) plus.push_back("+stalls");
+  plus.insert(plus.end(), argv + std::min(argc, 3), argv + argc);
+  context->commandArgs(int(plus.size()), plus.data());
   const auto top = std::make_unique<Vdesign>(context.get());
   const auto cycle = [&] {
     top->clk = 1;

@@ -62,7 +62,7 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     let mut model = read_model(&args.model)?;
     let folder_name = folder.file_name().map_or_else(|| stem.clone(), |name| name.to_string_lossy().into_owned());
     check_coordinates(&args.model, &model)?;
-    let left_out = without_area(&args.model, &mut model)?;
+    let left_out = leave_out(&args.model, &mut model)?;
     // Everything is made before anything is written: a broken image leaves an earlier scene as it was.
     let mut notes = [model.ignored.clone(), left_out].concat();
     let source = maps::Source { path: &args.model, model: &model, images: maps::image_names(&model) };
@@ -97,13 +97,15 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Takes the parts out of a model that a scene would refuse, and says which. It is an error if no part is left.
-fn without_area(path: &Path, model: &mut Model) -> Result<Vec<String>, Failure> {
+/// Takes the parts that a scene would refuse out of a model, such as points and lines, and says which and why.
+///
+/// Errors: no part is left.
+fn leave_out(path: &Path, model: &mut Model) -> Result<Vec<String>, Failure> {
     let mut notes = Vec::new();
     model.parts.retain(|part| {
-        let read = parse_obj(Path::new("part"), &obj(part), &ReadOptions::default());
-        if read.is_err() {
-            notes.push(format!("{:?} is left out: it has no face with an area", part.name));
+        let read = parse_obj(Path::new(&part.name), &obj(part), &ReadOptions::default());
+        if let Err(error) = &read {
+            notes.push(format!("{:?} is left out: it {}", part.name, error.message));
         }
         read.is_ok()
     });

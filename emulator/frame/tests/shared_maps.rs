@@ -25,7 +25,7 @@ fn scene(keys: &[&str]) -> Scene {
     Scene::from_toml("shared.toml", &text, Path::new("")).expect("the scene is good")
 }
 
-/// The same scene, with maps of its own for each object.
+/// Copy of a scene in which each object has maps of its own.
 fn separate(mut scene: Scene) -> Scene {
     for object in &mut scene.objects {
         let material = &mut object.material;

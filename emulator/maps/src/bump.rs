@@ -142,7 +142,7 @@ pub struct BumpPyramid {
     pub laws: Vec<Law>,
 }
 
-/// Everything in a material that its pyramid depends on; valid while the maps of the material live.
+/// Parts of a material on which its pyramid depends; valid while the maps of the material live.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BumpKey {
     /// Addresses of the bump map and of the roughness map.

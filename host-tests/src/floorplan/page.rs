@@ -273,7 +273,8 @@ fn simulations(results: &Results) -> String {
         "\n## Netlists in a simulator\n\n\
          The netlist of Yosys runs with the models of cells of Yosys on fragments, hard cases and corner integers; the scalar backend gives the outcomes.\n\
          `stalls`: both sides of the handshake pause. `always-ready`: the receiver is tied to 1 before synthesis, so registers lose their enable.\n\
-         In Verilator, x is a bit that is drawn once a run; a test takes a multiplier out of a netlist, and the outcomes differ.\n\
+         In Verilator, what would be x is 0 in a first run, 1 in a second and a drawn bit in a third; a test takes \
+         a multiplier out of a netlist, and the outcomes differ.\n\
          Tables and rings are in LUTs and registers on Gowin and series 7, for there are no models of their memory blocks (`-nobram`, no `ram_style`).\n\
          Yosys has no models of MULT18X18D and DP16KD (ECP5) and of MULT18X18 (Gowin). They are in \
          [`models.v`](../../host-tests/src/floorplan/models.v): products without registers, and memories that give x if a word is read while it is \

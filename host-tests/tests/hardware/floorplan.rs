@@ -65,6 +65,8 @@ fn every_simulated_netlist_is_right() {
         "narrow-footprint-2-gowin",
         "narrow-footprint-2-xc7",
         "narrow-all-6-ecp5",
+        "narrow-all-6-gowin",
+        "narrow-all-8-xc7",
         "compact-all-6-ecp5",
     ];
     for design in mirrors.chain(large.map(str::to_owned)) {

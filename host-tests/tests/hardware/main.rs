@@ -16,4 +16,5 @@ mod rtl;
 mod shell;
 mod shrink;
 mod stages;
+mod statements;
 mod targets;

@@ -106,7 +106,7 @@ fn change(path: &Path, from: &str, to: &str) {
     fs::write(path, text.replacen(from, to, 1)).expect("the file can be written");
 }
 
-fn shell_options(profile: &str, effects: Effects, multipliers: Option<u32>, stream: u32) -> Options {
+pub(super) fn shell_options(profile: &str, effects: Effects, multipliers: Option<u32>, stream: u32) -> Options {
     Options { multipliers, stream: Some(stream), ..options(profile, effects, None) }
 }
 

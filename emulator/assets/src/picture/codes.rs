@@ -38,6 +38,11 @@ pub(super) fn colours_of(channels: usize) -> usize {
     if channels >= 3 { 3 } else { 1 }
 }
 
+/// Names alpha that is multiplied in.
+pub(super) fn name_multiplied_alpha(statement: &mut Statement) {
+    statement.notes.push("alpha is multiplied in: transparent places stay dark".to_owned());
+}
+
 /// Names grey, colours and alpha in a statement: 1, 2, 3 or 4 channels.
 pub(super) fn name_channels(channels: usize, statement: &mut Statement) {
     let names: &[&str] = if channels >= 3 { &["R", "G", "B"] } else { &["Y"] };

@@ -26,7 +26,7 @@ pub fn read(path: &Path, purpose: Purpose, wishes: &Wishes) -> Result<PictureFil
 /// Reads a picture from the bytes of its file, as [`read`] does. Errors call it `name`.
 ///
 /// # Errors
-/// All errors of [`read`] but that of a file that cannot be opened.
+/// Errors of [`read`], except that of a file that cannot be opened.
 pub fn read_bytes(name: &Path, bytes: &[u8], purpose: Purpose, wishes: &Wishes) -> Result<PictureFile, PictureError> {
     read_from(name, Cursor::new(bytes), purpose, wishes)
 }

@@ -8,7 +8,7 @@ type DecodeBlock = fn(&[u8], &mut [u8]);
 /// Format of the texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TexelFormat {
-    /// 8-bit codes.
+    /// Codes of 8 bits.
     Codes(Places),
     /// Half floats: numbers a texel.
     Half(usize),

@@ -6,6 +6,7 @@ use std::io::Read;
 use std::path::Path;
 
 use super::PictureError;
+use super::codes::name_multiplied_alpha;
 use super::colour::{ColourSpace, Primaries, Transfer};
 use super::colour_words::ColourWords;
 use super::orientation::Orientation;
@@ -51,7 +52,7 @@ pub(super) struct Content<'a> {
 /// Alpha of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Alpha {
-    /// No alpha, or 1 everywhere.
+    /// Texels without alpha, or with 1 everywhere.
     None,
     /// Colours are those of the surface.
     Straight,
@@ -66,7 +67,7 @@ impl Alpha {
             statement.left.push("A".to_owned());
         }
         if self == Self::Premultiplied {
-            statement.notes.push("alpha is multiplied in: transparent places stay dark".to_owned());
+            name_multiplied_alpha(statement);
         }
     }
 }
@@ -282,9 +283,9 @@ fn dds_content<'a>(path: &Path, dds: &'a ddsfile::Dds, images: usize) -> Result<
         _ => split(path, "DDS", images, |face| dds.get_data(face as u32).ok().and_then(|data| data.get(..bytes)))?,
     };
     let orientation = Orientation::UPRIGHT;
-    let mode = dds.header10.as_ref().map(|header| header.alpha_mode);
-    let is_multiplied = matches!(name.as_str(), "DXT2" | "DXT4");
-    let alpha = match mode {
+    // Formats of the older header have their kind of alpha in their name.
+    let is_multiplied = matches!(dds.get_d3d_format(), Some(ddsfile::D3DFormat::DXT2 | ddsfile::D3DFormat::DXT4));
+    let alpha = match dds.header10.as_ref().map(|header| header.alpha_mode) {
         _ if !format.has_alpha() => Alpha::None,
         Some(ddsfile::AlphaMode::Opaque) => Alpha::None,
         Some(ddsfile::AlphaMode::PreMultiplied) => Alpha::Premultiplied,

@@ -8,7 +8,7 @@ use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
-use super::codes::{collect_pixels, colours_of, decode_table, name_channels};
+use super::codes::{collect_pixels, colours_of, decode_table, name_channels, name_multiplied_alpha};
 use super::colour::{Primaries, REC_709, Transfer};
 use super::colour_words::ColourWords;
 use super::decoded::Decoded;
@@ -79,7 +79,7 @@ pub(super) fn read(
     name_channels(channels, &mut statement);
     let others = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).map_err(failed)?;
     if channels.is_multiple_of(2) && others.is_some_and(|others| others.first() == Some(&1)) {
-        statement.notes.push("alpha is multiplied in: transparent places stay dark".to_owned());
+        name_multiplied_alpha(&mut statement);
     }
     let mut words = ColourWords::new(Transfer::Srgb);
     if let Some(primaries) = chromaticities(&mut decoder).map_err(failed)? {
