@@ -19,7 +19,7 @@ pub mod plan;
 mod prepare;
 mod printed;
 pub mod raster;
-mod shared;
+pub mod shared;
 mod texture;
 mod tile;
 

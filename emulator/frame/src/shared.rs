@@ -13,7 +13,7 @@ use super::texture::StoredBumps;
 
 /// Values of all objects, in their order. Objects with equal keys share a map: `make` is called once for them, with their indices, and returns a value
 /// for each.
-pub(super) fn shared<K: Ord + Send, T: Send>(
+pub fn shared<K: Ord + Send, T: Send>(
     keys: impl Iterator<Item = K>,
     make: impl Fn(&[usize]) -> Vec<T> + Sync,
 ) -> Vec<T> {
@@ -31,7 +31,7 @@ pub(super) fn shared<K: Ord + Send, T: Send>(
 }
 
 /// Key of a map that several objects may hold; valid while it lives.
-pub(super) fn address<T>(map: &T) -> usize {
+pub fn address<T>(map: &T) -> usize {
     ptr::from_ref(map).addr()
 }
 

@@ -1,10 +1,13 @@
 //! One sample in float64, from attributes to colour, by the mathematics of the reference.
 
+use std::sync::Arc;
+
 use roughxel_core::plan::{FootprintKind, FrameSystem};
 use roughxel_core::ports::{BlockPair, BlockVector};
 use roughxel_core::precision::{Precision, ProbeRule, ProbeWeights, RoughnessKind};
 use roughxel_frame::plan::{Mode, object_plan};
 use roughxel_frame::raster::{Projection, SUBPIXELS};
+use roughxel_frame::shared::{address, shared};
 use roughxel_maps::bump::BumpPyramid;
 use roughxel_maps::law::Law;
 use roughxel_scene::{Background, Object, Scene};
@@ -42,8 +45,9 @@ pub(super) struct Shader<'a> {
 struct ShadedObject<'a> {
     object: &'a Object,
     plan: ObjectPlan,
-    colour: Option<Vec<Map<3>>>,
-    bump: Option<Vec<Map<BUMP_CHANNELS>>>,
+    /// Levels of its maps, which other objects may share.
+    colour: Option<Arc<Vec<Map<3>>>>,
+    bump: Option<Arc<Vec<Map<BUMP_CHANNELS>>>>,
     /// Weight and widths of two lobes on each level of the bump map, the finest first.
     lobes: Vec<[f64; 3]>,
 }
@@ -78,18 +82,26 @@ impl<'a> Shader<'a> {
         let p = mode.precision(profile);
         let filters = mode.filters();
         let environment = scene.shown_environment().map(|source| maps::environment(&source.faces, filters));
-        let objects = scene.objects.iter().map(|object| {
-            let material = &object.material;
-            let pyramid = environment.as_ref().and_then(|_| BumpPyramid::of_material(material, filters, &p));
-            let plan = object_plan(object, pyramid.as_ref(), environment.is_some(), mode, &p);
-            ShadedObject {
-                object,
-                plan,
-                colour: material.colour_map.as_ref().map(|map| maps::colour(map, filters)),
-                lobes: laws(pyramid.as_ref()),
-                bump: pyramid.filter(|_| plan.bump_map()).map(|pyramid| maps::bump(&pyramid)),
-            }
+        let materials = || scene.objects.iter().map(|object| &object.material);
+        let colours = shared(materials().map(|own| own.colour_map.as_deref().map(address)), |group| {
+            let own = scene.objects[group[0]].material.colour_map.as_deref();
+            vec![own.map(|map| Arc::new(maps::colour(map, filters))); group.len()]
         });
+        let planned = shared(materials().map(|own| BumpPyramid::key(own, filters)), |group| {
+            let own = &scene.objects[group[0]].material;
+            let pyramid = environment.as_ref().and_then(|_| BumpPyramid::of_material(own, filters, &p));
+            let plan =
+                |&index: &usize| object_plan(&scene.objects[index], pyramid.as_ref(), environment.is_some(), mode, &p);
+            let plans: Vec<ObjectPlan> = group.iter().map(plan).collect();
+            let lobes = laws(pyramid.as_ref());
+            let bump = pyramid.filter(|_| plans.iter().any(ObjectPlan::bump_map));
+            let bump = bump.map(|pyramid| Arc::new(maps::bump(&pyramid)));
+            let planned = |plan: ObjectPlan| (plan, lobes.clone(), bump.clone().filter(|_| plan.bump_map()));
+            plans.into_iter().map(planned).collect()
+        });
+        let objects = scene.objects.iter().zip(colours).zip(planned);
+        let objects =
+            objects.map(|((object, colour), (plan, lobes, bump))| ShadedObject { object, plan, colour, bump, lobes });
         let kind = match p.probe_weights {
             ProbeWeights::Box => probes::ProbeWeights::Box,
             ProbeWeights::Gaussian => probes::ProbeWeights::Gaussian,
