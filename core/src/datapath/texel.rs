@@ -196,7 +196,7 @@ bundle! {
         /// Powers of two by which the codes of roughness are below the unit.
         #[range(0..=27)]
         roughness_down: Int<W>,
-        /// The unit.
+        /// Exponent e of the unit 2^e of offsets and roughness.
         #[range(-13..=3)]
         exponent: Int<W>,
     }

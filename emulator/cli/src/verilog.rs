@@ -1,5 +1,8 @@
 //! `roughxel verilog`.
 
+mod earlier;
+
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -65,7 +68,7 @@ pub(super) struct VerilogArgs {
     /// Clock in the constraints of the shell, MHz. Without this option it follows from the levels of logic between registers.
     #[arg(long, value_name = "MHZ", requires = "stream", value_parser = parse_clock)]
     clock: Option<f64>,
-    /// Prefix of module names, so that a project can hold two designs.
+    /// Prefix of the names of all modules and of the files of the shell, so that a project can hold several designs.
     #[arg(long, default_value = "", value_parser = parse_prefix, value_name = "TEXT")]
     prefix: String,
     /// Print the summary as JSON.
@@ -177,9 +180,15 @@ fn write(
         other => other?,
     };
     let bench = shell_bench(design, &options, &verilog)?;
+    let manifest = verilog.files.keys().find(|name| name.ends_with(".json"));
+    let earlier = manifest.map_or_else(BTreeSet::new, |name| earlier::files(directory, name));
     let sources = verilog.in_order().map(|(name, text)| (name.to_owned(), text.as_bytes()));
     let bench = bench.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice()));
     write_files(directory, bench.chain(sources))?;
+    let removed = earlier::remove(directory, earlier, verilog.files.keys().map(String::as_str))?;
+    if removed > 0 {
+        complain(&format!("{}: {removed} files of the design that was there before were removed", directory.display()));
+    }
     Ok((directory.to_path_buf(), verilog))
 }
 

@@ -76,7 +76,7 @@ pub struct Options {
     /// Stage whose modules are written, in all its uses (`columns`) or in one (`columns_pixel`), with their submodules; `None` writes the whole
     /// design.
     pub stage: Option<String>,
-    /// Prefix of the names of the modules of stages, so that two designs can be in one project.
+    /// Prefix of the names of all modules, so that several designs can be in one project.
     pub prefix: String,
 }
 
@@ -149,7 +149,8 @@ impl Verilog {
         let context = prepared.context(options, &origin);
         pipeline::check_blocks(context)?;
 
-        let name = options.stage.as_deref().map_or_else(|| top_name(design), |stage| stage.replace('.', "_"));
+        let name =
+            options.stage.as_deref().map_or_else(|| context.named(&top_name(design)), |stage| stage.replace('.', "_"));
         let written = match options.multipliers {
             Some(multipliers) => Written::folded(&prepared, context, multipliers, design)?,
             None => Written::flat(&prepared, context, options.stage.as_deref(), design)?,
@@ -182,7 +183,7 @@ impl Verilog {
             fold: verilog.fold.as_ref(),
             instances,
             modules,
-            roms: roms.values().map(Rom::description).collect(),
+            roms: roms.iter().map(|(name, rom)| rom.description(name)).collect(),
             files: verilog.files.iter().map(|(name, text)| FileEntry::new(name, text)).collect(),
         };
         // The manifest has strings and numbers only, which JSON can always express.
@@ -243,14 +244,14 @@ impl Written {
         let mut verilog = Verilog { top: None, stepper: None, shell: None, files, register_bits: 0, fold: None };
         let mut instances = Vec::new();
         if stage.is_none() {
-            let name = top_name(design);
+            let name = context.named(&top_name(design));
             let top = pipeline::top(context, &name, design.description(), groups, &modules)?;
             verilog.register_bits = top.register_bits;
-            let stepper = stepper::stepper(&top.interface, &top.unread, prepared.net.outputs.len(), context.origin);
+            let stepper = stepper::stepper(&top.interface, &top.unread, prepared.net.outputs.len(), context);
             verilog.files.insert(format!("{name}.v"), top.text);
             instances = top.instances;
             if top.uses_delay || stepper.is_some() {
-                verilog.files.insert(format!("{}.v", rom::DELAY), rom::DELAY_TEXT.to_owned());
+                verilog.files.extend([rom::delay(context)]);
             }
             if let Some((interface, text)) = stepper {
                 verilog.files.insert(format!("{}.v", interface.module), text);
@@ -265,7 +266,8 @@ impl Written {
     /// Writes a design folded on a number of multipliers.
     fn folded(prepared: &Prepared, context: Context, multipliers: u32, design: Design) -> Result<Self, VerilogError> {
         let (own, groups) = (&prepared.own_ranges, &prepared.groups);
-        let folded = fold::write(context, own, groups, multipliers, &top_name(design), design.description())?;
+        let folded =
+            fold::write(context, own, groups, multipliers, &context.named(&top_name(design)), design.description())?;
         let fold::FoldedVerilog { interface, mut files, modules, parts, register_bits, summary } = folded;
         parts.write(&mut files);
         let (top, fold) = (Some(interface), Some(summary));

@@ -18,11 +18,14 @@ const COUNT: usize = 64;
 /// Inputs and outcomes of a testbench, a list of integers each.
 type Vectors = (Vec<Vec<i64>>, Vec<Vec<i64>>);
 
+/// Files of a testbench: path below the folder of the design, and content.
+pub(crate) type BenchFiles = Vec<(String, Vec<u8>)>;
+
 /// Files of the testbench that drives the shell of a design: vectors, `bench.v` for Icarus, `test_shell.py` for cocotb, `MODULE_bfm_flat.v`. Without
 /// a shell there are none.
 ///
 /// Errors: an integer leaves its port.
-pub fn shell_bench(design: Design, options: &Options, verilog: &Verilog) -> Result<Vec<(String, Vec<u8>)>, BenchError> {
+pub fn shell_bench(design: Design, options: &Options, verilog: &Verilog) -> Result<BenchFiles, BenchError> {
     let Some(shell) = &verilog.shell else { return Ok(Vec::new()) };
     let net = record::net(design, &options.effects, &options.precision);
     let (inputs, outputs) = vectors(design, options, &net, verilog.stepper.is_some());

@@ -14,6 +14,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use roughxel_core::design::Design;
+use roughxel_netlist::bench::BenchError;
 use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::{Interface, Options, Stage, Verilog, VerilogError, filled};
 use roughxel_record as record;
@@ -27,6 +28,7 @@ use super::field::{Direction, Field};
 use super::lines::is_whole;
 use super::manifest::Manifest;
 use super::order::{misplaced, with_cause};
+use super::shell::{BenchFiles, shell_bench};
 use fields::{Fields, identifier};
 
 /// Script that runs the testbench in any of the tools, with the name of its file.
@@ -92,6 +94,14 @@ pub enum TestbenchError {
         manifest: PathBuf,
         /// The error of the Verilog.
         source: VerilogError,
+    },
+    /// The shell has no testbench of its own.
+    #[error("no testbench of the shell for {}", .manifest.display())]
+    Bench {
+        /// The manifest.
+        manifest: PathBuf,
+        /// The error of the testbench.
+        source: BenchError,
     },
     /// A form of a whole datapath for a set of one stage.
     #[error("{}: a stage is combinational, so it is not folded and has no shell", .0.display())]
@@ -189,6 +199,7 @@ impl Testbench {
             Device::Formed(_) => return Err(TestbenchError::StageForm(self.manifest_path.clone())),
             Device::Blank => None,
         };
+        let (verilog, bench) = verilog.unzip();
         let values = self.values(verilog.as_ref())?;
         let name = self.name();
         let devices = [systemverilog::DEVICE, vhdl::DEVICE].map(|file| file.replace("@NAME@", &name));
@@ -196,6 +207,8 @@ impl Testbench {
 
         let rtl = verilog.iter().flat_map(Verilog::in_order);
         write_files(directory, rtl.map(|(file, text)| (format!("rtl/{file}"), text)))?;
+        let bench = bench.into_iter().flatten();
+        write_files(directory, bench.map(|(file, bytes)| (format!("rtl/{file}"), bytes)))?;
         let dpi = if self.stage.is_none() { &systemverilog::DPI[..] } else { &[] };
         let languages = [&systemverilog::TEMPLATES[..], &vhdl::TEMPLATES, &cpp::TEMPLATES, &cocotb::TEMPLATES, dpi];
         let texts = languages.concat().into_iter().chain([RUN]);
@@ -221,15 +234,19 @@ impl Testbench {
         identifier(&self.stem())
     }
 
-    /// The Verilog of the set's datapath or stage, with the set's effects and profile.
-    fn verilog(&self, form: HardwareForm) -> Result<Verilog, TestbenchError> {
+    /// The Verilog of the set's datapath or stage, with the set's effects and profile, and the files of its shell's own testbench.
+    fn verilog(&self, form: HardwareForm) -> Result<(Verilog, BenchFiles), TestbenchError> {
         let Manifest { datapath, effects, profile, .. } = &self.manifest;
         let stage = self.stage.as_ref().map(|stage| stage.module.clone());
         let HardwareForm { multipliers, target, stream } = form;
         let options = Options::new(&profile.name, profile.knobs, *effects);
         let options = Options { stage, multipliers, target, stream, ..options };
         let error = |source| TestbenchError::Verilog { manifest: self.manifest_path.clone(), source };
-        record::verilog(Design::for_datapath(*datapath), &options).map_err(error)
+        let design = Design::for_datapath(*datapath);
+        let verilog = record::verilog(design, &options).map_err(error)?;
+        let bench = shell_bench(design, &options, &verilog);
+        let bench = bench.map_err(|source| TestbenchError::Bench { manifest: self.manifest_path.clone(), source })?;
+        Ok((verilog, bench))
     }
 
     /// Value of each `@NAME@`.

@@ -128,7 +128,8 @@ impl Cell {
             record::verilog(Design::Reflection, &self.options(stream)?).map_err(|e| format!("{self}: {e}"))?;
         let Verilog { top, mut files, fold, .. } = verilog;
         let interface = top.ok_or_else(|| format!("{self}: the generator wrote no top"))?;
-        files.retain(|name, _| name.ends_with(".v"));
+        // The module for testbenches is no part of a device.
+        files.retain(|name, _| name.ends_with(".v") && !name.ends_with("_bfm.v"));
         let interval = fold.map_or(1, |fold| fold.interval);
         let parts: Vec<&str> = files.iter().flat_map(|(name, text)| [name.as_str(), text]).collect();
         Ok(Text { hash: hash(&parts), interface, files, interval })

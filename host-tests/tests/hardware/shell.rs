@@ -168,25 +168,25 @@ fn faults_of_a_shell_are_found() {
 }
 
 #[test]
-fn the_ends_of_packets_and_steady_words_are_watched() {
+fn a_shell_that_breaks_a_rule_of_its_buses_fails_in_its_own_testbench() {
     if !have("iverilog") {
         return;
     }
+    // A comparison in parentheses is inverted as a whole.
     let faults = [
-        ("m_axis_tlast = ", "m_axis_tlast = ~", "ERROR m_axis_tlast"),
-        ("result[WIDTH-1:0]", "result[WIDTH-1:0] ^ {WIDTH{received[0]}}", "ERROR m_axis changed"),
+        ("axis", "m_axis_tlast = ", "m_axis_tlast = ~(VALUE)", "ERROR m_axis_tlast"),
+        ("axis", "m_axis_tdata = ", "m_axis_tdata = VALUE ^ {WIDTH{received[0]}}", "ERROR m_axis changed"),
+        ("shell", "s_axi_bresp = ", "s_axi_bresp = VALUE | 2'b10", "ERROR s_axi_bresp"),
     ];
-    for (from, to, message) in faults {
+    for (module, from, to, message) in faults {
         let folder = Folder::new(Design::Fragment, &shell_options("narrow", FULL, Some(16), 32));
-        // In parentheses, so that the whole comparison is inverted.
-        let axis = folder.text("roughxel_fragment_axis.v");
-        let line = axis.lines().find(|line| line.contains(from)).expect("the signal");
+        let file = format!("roughxel_fragment_{module}.v");
+        let text = folder.text(&file);
+        let line = text.lines().find(|line| line.contains(from)).expect("the signal");
         let (_, value) = line.trim_end_matches(';').split_once("= ").expect("its value");
-        let broken =
-            if from == "m_axis_tlast = " { format!("  assign {to}({value});") } else { line.replace(from, to) };
-        folder.change("roughxel_fragment_axis.v", line, &broken);
+        folder.change(&file, line, &format!("  assign {};", to.replace("VALUE", value)));
         let text = folder.icarus(&["+stalls"]);
-        assert!(text.contains(message), "{message}: {text}");
+        assert!(text.contains(message) && text.contains("FAIL") && !text.contains("PASS"), "{message}: {text}");
     }
 }
 
@@ -246,6 +246,13 @@ fn a_committed_set_goes_through_the_shell_of_a_folded_design_in_every_testbench(
             bench.passes(&[tool]);
             bench.passes(&[tool, "--built", "--stalls"]);
         }
+    }
+    // The core of the folder names files that are there.
+    let rtl = bench.directory.path().join("rtl");
+    let core = fs::read_to_string(rtl.join("roughxel_fragment.core")).expect("a core");
+    for file in core.lines().filter_map(|line| line.strip_prefix("      - ")) {
+        let file = file.split(": {").next().unwrap_or(file);
+        assert!(rtl.join(file).exists(), "{file}");
     }
     let broken = SetBench::new("random_narrow");
     let faults = if is_full_run() { &FAULTS[..] } else { &FAULTS[..1] };

@@ -280,61 +280,6 @@ fn a_plan_says_what_the_frame_and_all_maps_take() {
 }
 
 #[test]
-fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
-    use sha2::{Digest, Sha256};
-    let directory = Folder::new();
-    let written = |to: &str, more: &str| -> std::collections::BTreeMap<String, Vec<u8>> {
-        directory.done(&format!("verilog --profile compact -o {to} {more}"));
-        let path = &directory.join(to);
-        let folders = [path.clone(), path.join("rom")].into_iter().filter(|folder| folder.exists());
-        let files = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
-        let name = |file: &Path| file.strip_prefix(path).unwrap().to_str().unwrap().to_owned();
-        files.filter(|file| file.is_file()).map(|file| (name(&file), std::fs::read(&file).unwrap())).collect()
-    };
-    let (files, again) = (written("first", ""), written("second", ""));
-    assert!(files == again);
-    let manifest: serde_json::Value = serde_json::from_slice(&files["roughxel_fragment.json"]).unwrap();
-    let listed = manifest["files"].as_array().unwrap();
-    assert_eq!(listed.len() + 1, files.len());
-    for file in listed {
-        let hash = Sha256::digest(&files[file["name"].as_str().unwrap()]);
-        let hex = hash.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
-        assert_eq!(file["sha256"], hex, "{file}");
-    }
-    assert!(files.contains_key("roughxel_fragment.v"));
-
-    let stage = written("alone", "--stage columns --prefix mine_");
-    // Leading zeros of a width are the same module in every design.
-    assert!(
-        stage
-            .keys()
-            .all(|name| name.starts_with("mine_") || name.starts_with("leading_zeros_") || name == "columns.json")
-    );
-    assert!(stage.len() < files.len() && stage.contains_key("mine_columns_pixel.v"), "{:?}", stage.keys());
-}
-
-#[test]
-fn options_of_verilog_reach_the_files() {
-    let directory = Folder::new();
-    let options = "--multipliers 2 --target ecp5 --depth 9 --stream 16 --clock 40 --prefix mine_";
-    directory.done(&format!("verilog --profile narrow --effects none --frame natural {options} -o written"));
-    let manifest: serde_json::Value =
-        serde_json::from_str(&directory.read("written/roughxel_fragment.json")).expect("a manifest");
-    for (key, value) in [("profile", "narrow"), ("effects", "none"), ("frame", "natural"), ("target", "ecp5")] {
-        assert_eq!(manifest[key], value, "{key}");
-    }
-    assert_eq!((&manifest["depth"], &manifest["shell"]["stream_bits"]), (&9.into(), &16.into()));
-    assert_eq!(manifest["shell"]["clock_mhz"], 40.0);
-    assert_eq!(manifest["fold"]["units"][0]["units"], 2);
-    assert!(
-        directory.join("written/mine_reflect.v").exists()
-            || directory.read("written/roughxel_fragment.v").contains("mine_")
-    );
-    assert!(directory.read("written/roughxel_fragment.lpf").contains("FREQUENCY PORT \"aclk\" 40 MHZ;"));
-    assert!(directory.join("written/bench/expected.hex").exists());
-}
-
-#[test]
 fn every_set_that_is_listed_can_be_exported() {
     let directory = Folder::new();
     let sets = json("vectors list --json");

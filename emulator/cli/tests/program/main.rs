@@ -22,3 +22,4 @@ mod shards;
 mod simulate;
 mod study;
 mod vectors;
+mod verilog;

@@ -26,6 +26,11 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// Name of a module with the prefix.
+    pub(super) fn named(&self, name: &str) -> String {
+        format!("{}{name}", self.prefix)
+    }
+
     /// Levels of an operation.
     pub(super) fn levels(&self, id: NodeId) -> u32 {
         let unit = self.net.node(id).op.unit(self.ranges, id);

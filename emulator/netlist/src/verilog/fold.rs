@@ -86,7 +86,8 @@ pub(super) fn write(
         }
     }
     if top.uses_ring {
-        files.insert(format!("{}.v", registers::RING), include_str!("templates/ring.v").to_owned());
+        let name = flat.named(registers::RING);
+        files.insert(format!("{name}.v"), filled(include_str!("templates/ring.v"), &[("NAME", name)]));
     }
     files.insert(format!("{name}.v"), top.text);
     files.insert(format!("{name}.slots.txt"), folded.slot_table());

@@ -62,7 +62,13 @@ impl PortDescription {
             Step::Field(field) => Some(field.text.trim().trim_end_matches('.')),
             Step::Index(_) => None,
         });
-        Self { constant: is_constant(path), text: texts.collect::<Vec<_>>().join(": "), ..self }
+        let mut said: Vec<&str> = Vec::new();
+        for text in texts {
+            // A text that begins with the one before it says it again.
+            said.pop_if(|before| text.starts_with(&**before));
+            said.push(text);
+        }
+        Self { constant: is_constant(path), text: said.join(": "), ..self }
     }
 }
 

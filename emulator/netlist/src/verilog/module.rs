@@ -119,7 +119,7 @@ impl Module {
             })
             .collect();
         let mut module = Self {
-            name: format!("{}{}", context.prefix, group.name),
+            name: context.named(&group.name),
             text: String::new(),
             inputs,
             outputs,

@@ -358,8 +358,9 @@ fn delays(
         };
         writeln!(
             text,
-            "  {DELAY} #(.WIDTH({width}), .CYCLES({})) delay_{of}_{from}_to_{to} (\n    .clk(clk), .enable(advance),\n    \
+            "  {} #(.WIDTH({width}), .CYCLES({})) delay_{of}_{from}_to_{to} (\n    .clk(clk), .enable(advance),\n    \
              .in({}),\n    .out({})\n  );",
+            signals.context.named(DELAY),
             to - from,
             list(*from),
             list(*to)

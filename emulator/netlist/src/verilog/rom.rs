@@ -3,8 +3,9 @@
 use roughxel_core::rom;
 use serde::Serialize;
 
+use super::context::Context;
 use super::format::{Format, vector};
-use super::text::{END, header};
+use super::text::{END, filled, header};
 use super::value::literal;
 use crate::graph::Table;
 use crate::interval::Range;
@@ -45,7 +46,7 @@ impl Rom {
         found.map(|(name, size, _)| Self { name, size, table })
     }
 
-    /// Name of its module: `rom_reciprocal_8`, or `rom_reciprocal_8_w16` for words of other than 32 bits.
+    /// Name of its module without a prefix: `rom_reciprocal_8`, or `rom_reciprocal_8_w16` for words of other than 32 bits.
     pub fn name(&self) -> String {
         let size = self.size.map_or_else(String::new, |bits| format!("_{bits}"));
         let width = if self.table.bits == 32 { String::new() } else { format!("_w{}", self.table.bits) };
@@ -71,9 +72,9 @@ impl Rom {
         self.table.on_words().map(move |entry| format.pack(entry.into()).unwrap_or(0))
     }
 
-    /// Text of its module.
-    pub fn module(&self) -> String {
-        let (name, format) = (self.name(), Self::format(self.table));
+    /// Text of its module, given the name.
+    pub(super) fn module(&self, name: &str) -> String {
+        let format = Self::format(self.table);
         let (width, index) = (format.width(), self.index_bits());
         let about = [
             format!(
@@ -83,7 +84,7 @@ impl Rom {
             ),
             format!("The same entries for $readmemh: rom/{name}.hex."),
         ];
-        let mut text = header(&name, &about);
+        let mut text = header(name, &about);
         text += &format!(
             "module {name} (\n  input  wire {}index,\n  output reg  {}entry\n);\n\n  always @(*)\n    case (index)\n",
             vector(index, false),
@@ -103,13 +104,12 @@ impl Rom {
         text + &format!("    endcase\n{END}")
     }
 
-    /// Entries for `$readmemh`.
-    pub fn hex(&self) -> String {
+    /// Entries for `$readmemh`, given the name of its module.
+    pub(super) fn hex(&self, name: &str) -> String {
         let format = Self::format(self.table);
         let digits = format.width().div_ceil(4) as usize;
         let mut text = format!(
-            "// {}: {} entries of {} bits; entry = integer of the table >> {}\n",
-            self.name(),
+            "// {name}: {} entries of {} bits; entry = integer of the table >> {}\n",
             self.table.entries.len(),
             format.width(),
             format.zeros
@@ -120,11 +120,11 @@ impl Rom {
         text
     }
 
-    /// Description for tools.
-    pub(super) fn description(&self) -> RomDescription {
+    /// Description for tools, given the name of its module.
+    pub(super) fn description(&self, name: &str) -> RomDescription {
         let format = Self::format(self.table);
         RomDescription {
-            name: self.name(),
+            name: name.to_owned(),
             entries: self.table.entries.len(),
             index_bits: self.index_bits(),
             width: format.width(),
@@ -150,9 +150,8 @@ pub(super) fn count_bits(most: u32) -> u32 {
     (32 - most.leading_zeros()).max(1)
 }
 
-/// Module `leading_zeros_40`: a tree over groups of four bits. A level of it is one lookup table of four inputs.
-pub(super) fn leading_zeros(width: u32) -> String {
-    let name = format!("leading_zeros_{width}");
+/// Module that counts leading zeros, `leading_zeros_40`: a tree over groups of four bits. A level of it is one lookup table of four inputs.
+pub(super) fn leading_zeros(name: &str, width: u32) -> String {
     // A value that fills the tree may be zero. Any other has a place more in the tree, so that there always is a one.
     let fills = width >= 4 && width.is_power_of_two();
     let bits = if fills { width.ilog2() } else { count_bits(width).max(2) };
@@ -161,7 +160,7 @@ pub(super) fn leading_zeros(width: u32) -> String {
         format!("Zeros above the highest one of {width} bits; {width} where there is none."),
         "zN_G: group G of 2^N bits, counted from the top, is zero; cN_G: zeros above its highest one.".into(),
     ];
-    let mut text = header(&name, &about);
+    let mut text = header(name, &about);
     text += &format!(
         "module {name} (\n  input  wire {}value,\n  output wire {}count\n);\n\n",
         vector(width, false),
@@ -203,8 +202,11 @@ pub(super) fn leading_zeros(width: u32) -> String {
     text + &format!("  assign count = {count};\n{END}")
 }
 
-/// Name of the delay line.
+/// Name of the delay line without a prefix.
 pub(super) const DELAY: &str = "roughxel_delay";
 
-/// Text of the delay line.
-pub(super) const DELAY_TEXT: &str = include_str!("templates/delay.v");
+/// File of the delay line, name and text.
+pub(super) fn delay(context: Context) -> (String, String) {
+    let name = context.named(DELAY);
+    (format!("{name}.v"), filled(include_str!("templates/delay.v"), &[("NAME", name)]))
+}

@@ -2,10 +2,12 @@
 //!
 //! It takes a footprint, presents indices 0 … N − 1 to the step, one a cycle, and marks the last. Footprints follow each other without a gap.
 
+use super::context::Context;
 use super::format::{Format, vector};
 use super::interface::{Interface, PortDescription};
 use super::module::port_list;
 use super::pipeline::handshake_ports;
+use super::rom::DELAY;
 use super::text::{filled, header};
 use super::value::literal;
 use crate::interval::Range;
@@ -13,6 +15,8 @@ use crate::interval::Range;
 /// Ports that make a design a step.
 const INDEX: &str = "index";
 const COUNT: &str = "probes.count";
+/// Output of a stepper that marks the last probe of a footprint.
+pub(super) const LAST: &str = "last";
 /// Port that accompanies every probe.
 const LOD: &str = "probes.lod";
 
@@ -21,7 +25,7 @@ pub(super) fn stepper(
     step: &Interface,
     unread: &[PortDescription],
     end: usize,
-    origin: &str,
+    context: Context,
 ) -> Option<(Interface, String)> {
     let named = |ports: &[PortDescription], name: &str| ports.iter().find(|port| port.name == name).cloned();
     let input = |name| named(&step.inputs, name);
@@ -37,11 +41,11 @@ pub(super) fn stepper(
     let lod_name = format!("out_lod_{}", lod.format);
     outputs.push(PortDescription::new("lod", &lod_name, lod.format, [lod.low, lod.high], end));
     let flag = Format::new(Range { low: 0, high: 1, zeros: 0 }, 0, true);
-    outputs.push(PortDescription::new("last", "out_last_flag", flag, [0, 1], end + 1));
+    outputs.push(PortDescription::new(LAST, "out_last_flag", flag, [0, 1], end + 1));
 
     let about = [
         format!("State machine around {}: one footprint in, its probes 0 to N - 1 out, one a cycle.", step.module),
-        origin.to_owned(),
+        context.origin.to_owned(),
         format!(
             "The first probe leaves {} cycles after its footprint was taken, while out_ready is high.",
             step.latency + 1
@@ -66,6 +70,7 @@ pub(super) fn stepper(
     let connected = connected.chain(step.outputs.iter().map(|port| (&port.port, port.port.clone())));
     let values = [
         ("MODULE", module.clone()),
+        ("DELAY", context.named(DELAY)),
         ("PORTS", port_list(&lines)),
         ("INDEX_BITS", vector(index.width, false)),
         ("HELD", inputs.iter().map(register).collect()),

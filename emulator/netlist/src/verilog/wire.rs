@@ -1,6 +1,6 @@
 //! The wire of one operation: its declaration and what drives it.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::body::Body;
@@ -17,24 +17,24 @@ pub(super) struct Parts {
     /// Tables.
     pub(super) roms: BTreeMap<String, Rom>,
     /// Widths of leading-zero counters.
-    pub(super) leading_zeros: BTreeSet<u32>,
+    pub(super) leading_zeros: BTreeMap<String, u32>,
 }
 
 impl Parts {
     /// Adds those of another module.
     pub(super) fn extend(&mut self, other: &Self) {
         self.roms.extend(other.roms.iter().map(|(name, rom)| (name.clone(), *rom)));
-        self.leading_zeros.extend(&other.leading_zeros);
+        self.leading_zeros.extend(other.leading_zeros.iter().map(|(name, &width)| (name.clone(), width)));
     }
 
     /// Adds their files: path below the directory, and text.
     pub(super) fn write(&self, files: &mut BTreeMap<String, String>) {
-        for &width in &self.leading_zeros {
-            files.insert(format!("leading_zeros_{width}.v"), rom::leading_zeros(width));
+        for (name, &width) in &self.leading_zeros {
+            files.insert(format!("{name}.v"), rom::leading_zeros(name, width));
         }
         for (name, rom) in &self.roms {
-            files.insert(format!("{name}.v"), rom.module());
-            files.insert(format!("rom/{name}.hex"), rom.hex());
+            files.insert(format!("{name}.v"), rom.module(name));
+            files.insert(format!("rom/{name}.hex"), rom.hex(name));
         }
     }
 
@@ -87,13 +87,14 @@ impl Parts {
                 let rom = Rom::new(table).ok_or_else(|| VerilogError::UnknownTable(net.origin(id)))?;
                 declare(text)?;
                 let index = body.text(index, 0, rom.index_bits(), rank).code;
-                writeln!(text, "  {} {}_rom (.index({index}), .entry({target}));", rom.name(), wire.name)?;
-                self.roms.insert(rom.name(), rom);
+                let name = context.named(&rom.name());
+                writeln!(text, "  {name} {}_rom (.index({index}), .entry({target}));", wire.name)?;
+                self.roms.insert(name, rom);
                 return Ok(());
             }
             (Driver::Op(_), Op::LeadingZeros(a)) => {
                 let width = body.counted(a);
-                self.leading_zeros.insert(width);
+                let name = context.named(&format!("leading_zeros_{width}"));
                 let bits = count_bits(width);
                 // If the number's size is known, high bits of the count are known, too.
                 let used = last.clamp(1, bits);
@@ -106,7 +107,8 @@ impl Parts {
                 } else {
                     count.clone()
                 };
-                writeln!(text, "\n  leading_zeros_{width} {count}er (.value({value}), .count({place}));")?;
+                writeln!(text, "\n  {name} {count}er (.value({value}), .count({place}));")?;
+                self.leading_zeros.insert(name, width);
                 let counted = Wire { name: count, low: 0, high: used, signed: false };
                 let above = i64::from(net.node(a).kind.bits() - width);
                 let counted = view_bits(&View::of(id), &counted, first, last).code;

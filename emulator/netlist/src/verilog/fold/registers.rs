@@ -14,7 +14,7 @@ use super::text::Writer;
 use super::units::Hardware;
 use crate::graph::{NodeId, Op};
 
-/// Name of the module of a ring.
+/// Name of the module of a ring without a prefix.
 pub(super) const RING: &str = "roughxel_ring";
 
 /// Least bits of a ring that is worth a block memory.
@@ -55,8 +55,9 @@ impl Writer<'_> {
             let block = u32::from(width >= BLOCK_BITS);
             writeln!(
                 text,
-                "  {RING} #(.WIDTH({width}), .DEPTH({depth}), .PLACES({places}), .BLOCK({block})) u_ring_{phase}_{depth} (\n    \
-                 .clk(clk), .rst(rst), .enable(take[{phase}]),\n    .in({ins}),\n    .out({outs})\n  );"
+                "  {} #(.WIDTH({width}), .DEPTH({depth}), .PLACES({places}), .BLOCK({block})) u_ring_{phase}_{depth} (\n    \
+                 .clk(clk), .rst(rst), .enable(take[{phase}]),\n    .in({ins}),\n    .out({outs})\n  );",
+                self.body.context.named(RING)
             )?;
         }
         Ok(text)

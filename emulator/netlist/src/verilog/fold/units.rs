@@ -157,7 +157,7 @@ pub(super) fn kinds(
     products.extend(sums);
     products.sort_by_key(Use::first);
     if !products.is_empty() {
-        found.push(multiplier(shape, products, sum_bits, context.prefix));
+        found.push(multiplier(shape, products, sum_bits, context.named("multiplier")));
     }
     let mut names: HashMap<&'static str, u32> = HashMap::new();
     for (compound, base) in all.into_iter().zip(named) {
@@ -181,7 +181,7 @@ fn base_name(net: &Net, compound: &Compound) -> &'static str {
     }
 }
 
-fn multiplier(shape: &Shape, mut uses: Vec<Use>, sum_bits: u32, prefix: &str) -> UnitKind {
+fn multiplier(shape: &Shape, mut uses: Vec<Use>, sum_bits: u32, name: String) -> UnitKind {
     let mut widths = [0, 0];
     for own in &mut uses {
         // The wider operand is the first one.
@@ -194,7 +194,7 @@ fn multiplier(shape: &Shape, mut uses: Vec<Use>, sum_bits: u32, prefix: &str) ->
         }
     }
     UnitKind {
-        name: format!("{prefix}multiplier"),
+        name,
         uses,
         hardware: Hardware::Multiplier { widths, sum_bits },
         outputs: vec![(PRODUCT, Range::of(0)), (SUM, Range::of(0))],

@@ -52,10 +52,7 @@ pub(super) fn text(shell: &Shell) -> String {
     let [in_bits, out_bits] = [total_bits(&streamed), total_bits(&shell.design.outputs)];
     let [in_words, out_words] = [shell.input_words, shell.output_words];
     let about = [
-        format!(
-            "AXI4-Stream around {}: a fragment is {in_words} words of {width} bits, its outcome {out_words}.",
-            shell.design.module
-        ),
+        format!("AXI4-Stream around {}. {}", shell.design.module, shell.packets()),
         shell.origin.clone(),
         "The lowest word comes first. Ports are packed in their order, the first one most significant.".to_owned(),
     ];
@@ -91,6 +88,7 @@ pub(super) fn text(shell: &Shell) -> String {
         ("OUT_ALL", out_literal(out_words)),
         ("SHIFTED", shifted.to_owned()),
         ("PADDED", padded("out_bits", out_bits, out_words * width)),
+        ("SHIFT", (if out_words == 1 { "" } else { "    else if (sent) result <= result >> WIDTH;\n" }).to_owned()),
         ("UNUSED", unused),
         ("CONSTANT_PORTS", constant_ports(shell)),
         ("CONSTANTS", constants(shell)),

@@ -40,6 +40,7 @@ pub(super) fn text(shell: &Shell) -> String {
         ("FIRST", flag(has_constants, "0", "WRITES")),
         ("HAS_WRITES", flag(has_constants, "1'b1", "1'b0")),
         ("SENDING", sending),
+        ("SHIFT", flag(shell.input_words > 1, " else if (s_fire) sending <= sending >> WIDTH;", "")),
         ("OUTPUTS", outputs.collect()),
         ("GOT", got.to_owned()),
         ("SHELL", shell.module.clone()),

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::super::interface::{Interface, PortDescription, places, total_bits};
+use super::super::stepper::LAST;
 use super::super::value::literal;
 use super::register::{Register, map};
 
@@ -102,6 +103,19 @@ impl Shell {
             origin: origin.to_owned(),
             version: env!("CARGO_PKG_VERSION"),
         }
+    }
+
+    /// Packets of the streams in a sentence.
+    pub(super) fn packets(&self) -> String {
+        let words = |count: u32| if count == 1 { "1 word".to_owned() } else { format!("{count} words") };
+        let (input, output, bits) = (words(self.input_words), words(self.output_words), self.stream_bits);
+        if self.design.outputs.iter().any(|port| port.name == LAST) {
+            let last = "is 1 in the last probe";
+            return format!(
+                "A footprint is {input} of {bits} bits, each of its probes a packet of {output}. Output `{LAST}` {last}."
+            );
+        }
+        format!("A fragment is {input} of {bits} bits, its outcome {output}.")
     }
 
     /// Inputs that come with each fragment.

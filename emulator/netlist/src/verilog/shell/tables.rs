@@ -16,11 +16,12 @@ fn format(register: &Register) -> String {
 
 /// Page of the shell of one design: registers and words.
 pub(super) fn markdown(shell: &Shell) -> String {
-    let Shell { module, stream_bits, input_words, output_words, .. } = shell;
     let mut text = format!(
-        "# Registers of {module}\n\n{}\n\nA fragment is {input_words} words of {stream_bits} bits, its outcome {output_words}. Registers are words of 32 \
-         bits.\n\n| offset | name | access | format | range | reset | meaning |\n|---|---|---|---|---|---|---|\n",
-        shell.origin
+        "# Registers of {}\n\n{}\n\n{} Registers are words of 32 bits.\n\n\
+         | offset | name | access | format | range | reset | meaning |\n|---|---|---|---|---|---|---|\n",
+        shell.module,
+        shell.origin,
+        shell.packets()
     );
     for register in &shell.registers {
         let access = if register.access == Access::ReadOnly { "read" } else { "read, write" };
@@ -59,6 +60,7 @@ pub(super) fn c_header(shell: &Shell) -> String {
         let _ = writeln!(text, "#define {name}_BITS {}", register.width);
         if register.port.is_some() {
             let _ = writeln!(text, "#define {name}_FRACTION_BITS {}", register.fraction_bits);
+            let _ = writeln!(text, "#define {name}_SIGNED {}", u32::from(register.signed));
         }
         if register.access == Access::ReadOnly {
             let _ = writeln!(text, "#define {name}_VALUE 0x{:08x}u", register.reset);

@@ -54,8 +54,7 @@ module @NAME@ (
   assign out_ready = ~m_axis_tvalid | (m_axis_tlast & m_axis_tready);
   always @(posedge aclk) begin
     if (out_valid & out_ready) result <= @PADDED@;
-    else if (sent) result <= result >> WIDTH;
-    if (!aresetn) left <= @OUT_ZERO@;
+@SHIFT@    if (!aresetn) left <= @OUT_ZERO@;
     else if (out_valid & out_ready) left <= @OUT_ALL@;
     else if (sent) left <= left - @OUT_ONE@;
   end

@@ -1,10 +1,10 @@
-// roughxel_delay
+// @NAME@
 //
 // What came in CYCLES cycles with enable high ago.
 
 `default_nettype none
 
-module roughxel_delay #(
+module @NAME@ #(
   parameter WIDTH = 1,
   parameter CYCLES = 1
 ) (

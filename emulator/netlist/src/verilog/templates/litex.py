@@ -5,7 +5,7 @@
     self.filter = @CLASS@(platform)
     self.comb += [dma_reader.source.connect(self.filter.sink), self.filter.source.connect(dma_writer.sink)]
 
-A fragment is @IN_WORDS@ words of @WIDTH@ bits with `last` on its last one, its outcome @OUT_WORDS@ words. roughxel_shell.py packs and unpacks them.
+@PACKETS@ `last` of a stream is on the last word of a packet. roughxel_shell.py packs and unpacks words.
 """
 from pathlib import Path
 

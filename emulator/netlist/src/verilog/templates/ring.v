@@ -1,11 +1,11 @@
-// roughxel_ring
+// @NAME@
 //
 // What came in DEPTH enables ago, in a memory that is written in turn. A device with small memories needs a few lookup tables for it. With BLOCK it is
 // in a block memory: the next place is read while one is written.
 
 `default_nettype none
 
-module roughxel_ring #(
+module @NAME@ #(
   parameter WIDTH = 1,
   parameter DEPTH = 2,
   parameter PLACES = 1,

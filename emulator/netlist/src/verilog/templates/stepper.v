@@ -30,7 +30,7 @@ module @MODULE@ (
   );
 
   // Beside the step, as long as it takes.
-  roughxel_delay #(.WIDTH(@LOD_WIDTH@), .CYCLES(@LATENCY@)) delay_lod_last (
+  @DELAY@ #(.WIDTH(@LOD_WIDTH@), .CYCLES(@LATENCY@)) delay_lod_last (
     .clk(clk), .enable(step_ready),
     .in({@LOD@, last}),
     .out({@OUT_LOD@, out_last_flag})
