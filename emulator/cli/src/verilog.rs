@@ -68,7 +68,7 @@ pub(super) struct VerilogArgs {
     /// Clock in the constraints of the shell, MHz. Without this option it follows from the levels of logic between registers.
     #[arg(long, value_name = "MHZ", requires = "stream", value_parser = parse_clock)]
     clock: Option<f64>,
-    /// Prefix of the names of all modules and of the files of the shell, so that a project can hold several designs.
+    /// Prefix of the names of all modules and of the files of a shell, so that a project can hold several designs. Each shell has a folder of its own.
     #[arg(long, default_value = "", value_parser = parse_prefix, value_name = "TEXT")]
     prefix: String,
     /// Print the summary as JSON.

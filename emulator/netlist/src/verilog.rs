@@ -149,8 +149,8 @@ impl Verilog {
         let context = prepared.context(options, &origin);
         pipeline::check_blocks(context)?;
 
-        let name =
-            options.stage.as_deref().map_or_else(|| context.named(&top_name(design)), |stage| stage.replace('.', "_"));
+        let stage = options.stage.as_deref().map(|stage| stage.replace('.', "_"));
+        let name = context.named(&stage.unwrap_or_else(|| top_name(design)));
         let written = match options.multipliers {
             Some(multipliers) => Written::folded(&prepared, context, multipliers, design)?,
             None => Written::flat(&prepared, context, options.stage.as_deref(), design)?,

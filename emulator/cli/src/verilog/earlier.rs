@@ -12,17 +12,21 @@ use sha2::{Digest, Sha256};
 /// Most bytes of a manifest; the largest design has 400 kB.
 const MOST_BYTES: u64 = 1 << 24;
 
-/// Files that a manifest lists, with their SHA-256; none if it is no manifest of Verilog.
-fn listed(manifest: &Path) -> Vec<(PathBuf, String)> {
+/// True for a file, no link and nothing else that has a name.
+fn is_file(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|data| data.is_file())
+}
+
+/// Files that a manifest lists, with their SHA-256; none if it is of something else than Verilog, `None` if it cannot be read.
+fn listed(manifest: &Path) -> Option<Vec<(PathBuf, String)>> {
     let mut text = String::new();
-    let read = File::open(manifest).and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text));
-    let manifest = read.ok().and_then(|_| serde_json::from_str::<Value>(&text).ok()).unwrap_or_default();
+    File::open(manifest).and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text)).ok()?;
+    let manifest: Value = serde_json::from_str(&text).ok()?;
     if manifest["schema"] != "roughxel-verilog" {
-        return Vec::new();
+        return Some(Vec::new());
     }
-    let files = manifest["files"].as_array().into_iter().flatten();
-    let entries = files.map(|file| Some((file["name"].as_str()?.into(), file["sha256"].as_str()?.to_owned())));
-    entries.flatten().collect()
+    let files = manifest["files"].as_array()?.iter();
+    files.map(|file| Some((file["name"].as_str()?.into(), file["sha256"].as_str()?.to_owned()))).collect()
 }
 
 /// True if a file has the content that a manifest gives it.
@@ -36,21 +40,30 @@ fn is_unchanged(path: &Path, sha256: &str) -> bool {
     hex == sha256
 }
 
-/// Files of the design whose manifest, with a given name, is in a folder: those that no other manifest there lists and nobody has changed. The paths
-/// are relative.
+/// True for a file in a folder or in folders below it, on no way through a link.
+fn is_inside(directory: &Path, name: &Path) -> bool {
+    let folders = name.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
+    let is_folder = |folder: &Path| fs::symlink_metadata(directory.join(folder)).is_ok_and(|data| data.is_dir());
+    name.components().all(|part| matches!(part, Component::Normal(_)))
+        && folders.into_iter().all(is_folder)
+        && is_file(&directory.join(name))
+}
+
+/// Files of the design whose manifest, with a given name, is in a folder: those that no other manifest there lists and nobody has changed. There are
+/// none if another manifest cannot be read, for it may list them. The paths are relative.
 pub(super) fn files(directory: &Path, manifest: &str) -> BTreeSet<PathBuf> {
-    let own = listed(&directory.join(manifest));
-    if own.is_empty() {
-        return BTreeSet::new();
-    }
-    let entries = fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.file_name());
-    let others =
-        entries.filter(|name| name != manifest && Path::new(name).extension().is_some_and(|end| end == "json"));
-    let others: BTreeSet<PathBuf> =
-        others.flat_map(|name| listed(&directory.join(name))).map(|(name, _)| name).collect();
-    let is_inside = |path: &Path| path.components().all(|part| matches!(part, Component::Normal(_)));
+    let path = directory.join(manifest);
+    let Some(own) = listed(&path).filter(|_| is_file(&path)) else { return BTreeSet::new() };
+    let entries = fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_other = |path: &PathBuf| {
+        path.file_name().is_some_and(|name| name != manifest) && path.extension().is_some_and(|end| end == "json")
+    };
+    let others: Option<Vec<_>> =
+        entries.filter(is_other).map(|path| if is_file(&path) { listed(&path) } else { None }).collect();
+    let Some(others) = others else { return BTreeSet::new() };
+    let others: BTreeSet<PathBuf> = others.into_iter().flatten().map(|(name, _)| name).collect();
     let own = own.into_iter().filter(|(name, sha256)| {
-        is_inside(name) && !others.contains(name) && is_unchanged(&directory.join(name), sha256)
+        !others.contains(name) && is_inside(directory, name) && is_unchanged(&directory.join(name), sha256)
     });
     own.map(|(name, _)| name).collect()
 }

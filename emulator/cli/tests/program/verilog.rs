@@ -30,7 +30,8 @@ fn verilog_writes_what_its_manifest_lists_and_the_same_every_time() {
     assert!(files.contains_key("roughxel_fragment.v"));
 
     let stage = written("alone", "--stage columns --prefix mine_");
-    assert!(stage.keys().all(|name| name.starts_with("mine_") || name == "columns.json"), "{:?}", stage.keys());
+    assert!(stage.keys().all(|name| name.starts_with("mine_")), "{:?}", stage.keys());
+    assert!(stage.contains_key("mine_columns.json"));
     assert!(stage.len() < files.len() && stage.contains_key("mine_columns_pixel.v"), "{:?}", stage.keys());
 }
 
@@ -94,4 +95,34 @@ fn a_design_leaves_nothing_of_an_earlier_one_of_its_name_but_what_others_need_or
     }
     assert_eq!(ending(&directory.join("one/rom"), ".hex"), ending(&directory.join("alone/rom"), ".hex"));
     assert_eq!(directory.read("one/roughxel_fragment.sdc"), "# mine\n");
+}
+
+#[test]
+fn no_file_goes_that_another_design_may_need_or_that_lies_behind_a_link() {
+    let directory = Folder::new();
+    for prefix in ["a_", "b_"] {
+        directory.done(&format!("verilog --profile narrow --stage columns --prefix {prefix} -o stages"));
+    }
+    let files = ending(&directory.join("stages"), ".v");
+    assert!(files.contains("a_columns_pixel.v") && files.contains("b_columns_pixel.v"), "{files:?}");
+
+    // A manifest that cannot be read may list anything.
+    directory.done("verilog --profile narrow -o damaged");
+    directory.done("verilog --profile narrow --design highlight -o damaged");
+    let manifest = directory.read("damaged/roughxel_highlight.json");
+    directory.write("damaged/roughxel_highlight.json", manifest + ",");
+    let before = ending(&directory.join("damaged"), ".v");
+    directory.done("verilog --profile standard -o damaged");
+    assert!(ending(&directory.join("damaged"), ".v").is_superset(&before));
+
+    #[cfg(unix)]
+    {
+        directory.done("verilog --profile narrow --multipliers 8 -o linked");
+        let [folder, elsewhere] = ["linked/rom", "elsewhere"].map(|name| directory.join(name));
+        std::fs::rename(&folder, &elsewhere).unwrap();
+        std::os::unix::fs::symlink(&elsewhere, &folder).unwrap();
+        let before = ending(&elsewhere, ".hex");
+        directory.done("verilog --profile narrow --effects none -o linked");
+        assert!(before.len() > 1 && ending(&elsewhere, ".hex").is_superset(&before));
+    }
 }
