@@ -35,7 +35,7 @@ pub use fold::{Fault, FoldSummary, Folded, Machine, Slot, UnitSummary};
 pub use format::Format;
 pub use interface::{Interface, PortDescription};
 pub(crate) use interface::{places, total_bits};
-pub use manifest::knobs;
+pub use manifest::{knobs, sha256};
 pub use rom::Rom;
 pub use shell::{Access, Register, STREAM_BITS, Shell};
 pub use stage::{Stage, StagePort, StageRun, Stages};

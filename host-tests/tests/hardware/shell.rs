@@ -106,6 +106,12 @@ fn change(path: &Path, from: &str, to: &str) {
     fs::write(path, text.replacen(from, to, 1)).expect("the file can be written");
 }
 
+/// Files that a FuseSoC core names.
+fn files_of_core(core: &str) -> Vec<&str> {
+    let files = core.lines().filter_map(|line| line.strip_prefix("      - "));
+    files.map(|file| file.split(": {").next().unwrap_or(file)).collect()
+}
+
 pub(super) fn shell_options(profile: &str, effects: Effects, multipliers: Option<u32>, stream: u32) -> Options {
     Options { multipliers, stream: Some(stream), ..options(profile, effects, None) }
 }
@@ -250,8 +256,7 @@ fn a_committed_set_goes_through_the_shell_of_a_folded_design_in_every_testbench(
     // The core of the folder names files that are there.
     let rtl = bench.directory.path().join("rtl");
     let core = fs::read_to_string(rtl.join("roughxel_fragment.core")).expect("a core");
-    for file in core.lines().filter_map(|line| line.strip_prefix("      - ")) {
-        let file = file.split(": {").next().unwrap_or(file);
+    for file in files_of_core(&core) {
         assert!(rtl.join(file).exists(), "{file}");
     }
     let broken = SetBench::new("random_narrow");

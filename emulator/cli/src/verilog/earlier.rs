@@ -1,27 +1,25 @@
 //! Files of an earlier design in a folder into which one of the same name is written.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
+use std::io;
 use std::path::{Component, Path, PathBuf};
 
+use roughxel_netlist::verilog::sha256;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
-/// Most bytes of a manifest; a reflection of `precise` has 87 kB.
+/// Most bytes of a file that is read; the manifest of a reflection of `precise` has 87 kB.
 const MOST_BYTES: u64 = 1 << 24;
 
-/// True for a file, no link and nothing else that has a name.
-fn is_file(path: &Path) -> bool {
-    fs::symlink_metadata(path).is_ok_and(|data| data.is_file())
+/// Content of a file; `None` for a link, for anything else that has a name, and for a file that is too large or cannot be read.
+fn content(path: &Path) -> Option<Vec<u8>> {
+    let data = fs::symlink_metadata(path).ok()?;
+    if data.is_file() && data.len() <= MOST_BYTES { fs::read(path).ok() } else { None }
 }
 
 /// Files that a manifest lists, with their SHA-256; none if it is of something else than Verilog, `None` if it cannot be read.
 fn listed(manifest: &Path) -> Option<Vec<(PathBuf, String)>> {
-    let mut text = String::new();
-    File::open(manifest).and_then(|file| file.take(MOST_BYTES).read_to_string(&mut text)).ok()?;
-    let manifest: Value = serde_json::from_str(&text).ok()?;
+    let manifest: Value = serde_json::from_slice(&content(manifest)?).ok()?;
     if manifest["schema"] != "roughxel-verilog" {
         return Some(Vec::new());
     }
@@ -29,41 +27,28 @@ fn listed(manifest: &Path) -> Option<Vec<(PathBuf, String)>> {
     files.map(|file| Some((file["name"].as_str()?.into(), file["sha256"].as_str()?.to_owned()))).collect()
 }
 
-/// True if a file has the content that a manifest gives it.
-fn is_unchanged(path: &Path, sha256: &str) -> bool {
-    let Ok(bytes) = fs::read(path) else { return false };
-    let hex = Sha256::digest(bytes).iter().fold(String::new(), |mut hex, byte| {
-        // Writing to a string cannot fail.
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    });
-    hex == sha256
-}
-
-/// True for a file in a folder or in folders below it, on no way through a link.
+/// True for a name in a folder or in folders below it, on no way through a link.
 fn is_inside(directory: &Path, name: &Path) -> bool {
     let folders = name.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
     let is_folder = |folder: &Path| fs::symlink_metadata(directory.join(folder)).is_ok_and(|data| data.is_dir());
-    name.components().all(|part| matches!(part, Component::Normal(_)))
-        && folders.into_iter().all(is_folder)
-        && is_file(&directory.join(name))
+    name.components().all(|part| matches!(part, Component::Normal(_))) && folders.into_iter().all(is_folder)
 }
 
 /// Files of the design whose manifest, with a given name, is in a folder: those that no other manifest there lists and nobody has changed. There are
 /// none if another manifest cannot be read, for it may list them. The paths are relative.
 pub(super) fn files(directory: &Path, manifest: &str) -> BTreeSet<PathBuf> {
-    let path = directory.join(manifest);
-    let Some(own) = listed(&path).filter(|_| is_file(&path)) else { return BTreeSet::new() };
+    let Some(own) = listed(&directory.join(manifest)) else { return BTreeSet::new() };
     let entries = fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_other = |path: &PathBuf| {
         path.file_name().is_some_and(|name| name != manifest) && path.extension().is_some_and(|end| end == "json")
     };
-    let others: Option<Vec<_>> =
-        entries.filter(is_other).map(|path| if is_file(&path) { listed(&path) } else { None }).collect();
+    let others: Option<Vec<_>> = entries.filter(is_other).map(|path| listed(&path)).collect();
     let Some(others) = others else { return BTreeSet::new() };
     let others: BTreeSet<PathBuf> = others.into_iter().flatten().map(|(name, _)| name).collect();
-    let own = own.into_iter().filter(|(name, sha256)| {
-        !others.contains(name) && is_inside(directory, name) && is_unchanged(&directory.join(name), sha256)
+    let own = own.into_iter().filter(|(name, hash)| {
+        !others.contains(name)
+            && is_inside(directory, name)
+            && content(&directory.join(name)).is_some_and(|bytes| sha256(&bytes) == *hash)
     });
     own.map(|(name, _)| name).collect()
 }

@@ -87,15 +87,18 @@ pub(super) struct FileEntry {
     sha256: String,
 }
 
+/// Hash of a file as a manifest has it, hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().fold(String::new(), |mut hex, byte| {
+        // Writing to a string cannot fail.
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    })
+}
+
 impl FileEntry {
     pub(super) fn new(name: &str, text: &str) -> Self {
-        let hash = Sha256::digest(text.as_bytes());
-        let sha256 = hash.iter().fold(String::new(), |mut hex, byte| {
-            // Writing to a string cannot fail.
-            let _ = write!(hex, "{byte:02x}");
-            hex
-        });
-        Self { name: name.to_owned(), bytes: text.len(), sha256 }
+        Self { name: name.to_owned(), bytes: text.len(), sha256: sha256(text.as_bytes()) }
     }
 }
 

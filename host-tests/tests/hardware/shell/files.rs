@@ -10,7 +10,7 @@ use roughxel_netlist::target::Target;
 use roughxel_netlist::verilog::Options;
 
 use super::super::rtl::FULL;
-use super::{Folder, shell_options};
+use super::{Folder, files_of_core, shell_options};
 
 fn folder() -> Folder {
     let options = shell_options("narrow", FULL, Some(8), 32);
@@ -127,8 +127,7 @@ fn project_files_name_files_that_exist_and_the_clock() {
     let folder = folder();
     let core = folder.text("roughxel_reflection.core");
     assert!(core.starts_with("CAPI=2:\n"), "{core}");
-    let files: Vec<&str> = core.lines().filter_map(|line| line.strip_prefix("      - ")).collect();
-    let files: Vec<&str> = files.iter().map(|file| file.split(": {").next().unwrap_or(file)).collect();
+    let files = files_of_core(&core);
     assert!(files.len() > 10);
     for file in &files {
         assert!(folder.path(file).exists(), "{file}");
@@ -172,5 +171,22 @@ fn python_compiles_the_modules_of_a_shell_and_the_litex_bench() {
     for (port, (direction, _)) in ports(&folder.text("roughxel_reflection_axis.v")) {
         let prefix = if direction == "in" { 'i' } else { 'o' };
         assert!(litex.contains(&format!("            {prefix}_{port}=")), "{port}: {litex}");
+    }
+}
+
+#[test]
+fn texts_of_a_shell_say_what_a_packet_is_and_what_a_register_holds_once() {
+    let of = |design, stream| Folder::new(design, &shell_options("narrow", FULL, None, stream));
+    let highlight = of(Design::Highlight, 32).text("roughxel_highlight_registers.md");
+    assert!(highlight.contains("| exponent m, saturated to 1…8192 |"), "{highlight}");
+    let probe = of(Design::TextureProbe, 128).text("roughxel_texture_probe_stepper_registers.md");
+    assert!(probe.contains("each of its probes a packet of 1 word. Output `last` is 1 in the last probe."), "{probe}");
+    // A packet of one word is not shifted by a whole word, of which slang warns.
+    let pixel = of(Design::Pixel, 128);
+    assert!(
+        pixel.text("roughxel_pixel_registers.md").contains("A fragment is 1 word of 128 bits, its outcome 1 word.")
+    );
+    for module in ["axis", "bfm"] {
+        assert!(!pixel.text(&format!("roughxel_pixel_{module}.v")).contains(">> WIDTH"), "{module}");
     }
 }
